@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from smooth_model import smooth
 
-from hysgen.c674x.cost import Cost, cost_of_texts
+from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.codegen import generate
 from hysgen.display import table
 

@@ -22,17 +22,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hysgen.c674x.caches import L1P_LINE, L1P_SETS, program_lines
-from hysgen.c674x.processor import AccessKind, Trace
-from hysgen.c674x.schedule.folder import kernels, with_kernels
-from hysgen.c674x.toolchain import Firmware
-from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.reference_models import with_learner
-from hysgen.firmware.simulated import compile_image
-from hysgen.firmware.target import link_image
-from hysgen.firmware.timing import LEARN, TRIM, periods
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
+from hysgen_c674x.caches import L1P_LINE, L1P_SETS, program_lines
+from hysgen_c674x.firmware.simulated import compile_image
+from hysgen_c674x.firmware.target import link_image
+from hysgen_c674x.firmware.timing import LEARN, TRIM, periods
+from hysgen_c674x.processor import AccessKind, Trace
+from hysgen_c674x.schedule.folder import kernels, with_kernels
+from hysgen_c674x.toolchain import Firmware
 
 SCRIPT = Path(__file__).resolve().parents[1] / "firmware" / "board" / "c6748" / "c6748.ld"
 FIRST = 0x1180_4400 // L1P_LINE

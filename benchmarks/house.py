@@ -1,5 +1,8 @@
 """Figures of the layout and size of the source, read from the text alone: `python benchmarks/house.py [CHECKOUT]`.
 
+A table with a row for each package below generator/, then figures of the product, generator/hysgen. Code is what is no
+docstring, import, comment or blank line; a constant is a name in capitals that a module assigns at its top.
+
     --words WORD ...   words to count (default: the names of the causes)
     --json             the same figures as JSON
 
@@ -44,15 +47,20 @@ def figures(root: Path, words: tuple[str, ...]) -> dict[str, Any]:
         for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.FunctionDef) and node.end_lineno is not None
     ]
+    packages = sorted(path.parent for path in package.parent.glob("*/__init__.py"))
     jinja = [(_lines(path), str(path.relative_to(root))) for path in (root / "templates").rglob("*.j2")]
     return {
+        "packages": {path.name: _size(path) for path in packages},
         "entries": len(entries - NO_ENTRY),
         "floors": max(floors.values()),
         "arrows": sum(not NO_ENTRY & {*arrow} for arrow in arrows),
         "circles": [sorted(circle) for circle in circles],
         "files with the word": {word: _holding(word, files) for word in words},
         "lines": {
-            "package": sum(_lines(path) for path in texts),
+            "packages": sum(_lines(path) for path in package.parent.rglob("*.py")),
+            "C in packages": sum(_lines(path) for end in "chs" for path in package.parent.rglob(f"*.{end}")),
+            "C of firmware": sum(_lines(path) for end in "chs" for path in (root / "firmware").rglob(f"*.{end}")),
+            "docs": sum(_lines(path) for path in (*(root / "docs").glob("*.md"), *root.glob("*.md"))),
             "templates": sum(_lines(path) for path in (root / "templates").rglob("*") if path.is_file()),
             "tests": sum(_lines(path) for path in (root / "tests").rglob("*.py")),
         },
@@ -64,6 +72,41 @@ def figures(root: Path, words: tuple[str, ...]) -> dict[str, Any]:
             if count > MOST_PARAMETERS
         ],
     }
+
+
+def _size(package: Path) -> dict[str, float]:
+    """Lines, files, statements, dataclasses, constants of a package, and its lines of code per line of imports."""
+    texts = [path.read_text(encoding="utf-8") for path in package.rglob("*.py")]
+    trees = [ast.parse(text) for text in texts]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    docs = [node.value for node in nodes if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)]
+    imports = sum(_length(node) for node in nodes if isinstance(node, ast.Import | ast.ImportFrom))
+    bare = sum(not line.strip() or line.lstrip().startswith("#") for text in texts for line in text.splitlines())
+    bare -= sum(not line.strip() for doc in docs for line in str(doc.value).splitlines()[1:-1])
+    lines = sum(len(text.splitlines()) for text in texts)
+    return {
+        "lines": lines,
+        "files": len(texts),
+        "statements": sum(isinstance(node, ast.stmt) for node in nodes) - len(docs),
+        "dataclasses": sum(
+            any("dataclass" in ast.unparse(mark) for mark in node.decorator_list)
+            for node in nodes
+            if isinstance(node, ast.ClassDef)
+        ),
+        "constants": sum(_constants(statement) for tree in trees for statement in tree.body),
+        "code per import": round((lines - bare - imports - sum(map(_length, docs))) / max(imports, 1), 1),
+    }
+
+
+def _length(node: ast.stmt | ast.expr) -> int:
+    return (node.end_lineno or node.lineno) - node.lineno + 1
+
+
+def _constants(statement: ast.stmt) -> int:
+    """Names in capitals that a statement at the top of a module assigns."""
+    targets = statement.targets if isinstance(statement, ast.Assign) else [getattr(statement, "target", None)]
+    names = [node.id for target in targets if target for node in ast.walk(target) if isinstance(node, ast.Name)]
+    return sum(name.lstrip("_").isupper() for name in names)
 
 
 def _counts(path: Path) -> bool:
@@ -151,6 +194,10 @@ def main() -> None:
     if arguments.json:
         print(json.dumps(found, indent=2))
         return
+    for number, (name, size) in enumerate(found.pop("packages").items()):
+        if not number:
+            print(f"{'package':16}", *(f"{head:>15}" for head in size))
+        print(f"{name:16}", *(f"{value:>15}" for value in size.values()))
     for name, value in found.items():
         if isinstance(value, dict):
             print(f"{name}: {', '.join(f'{key} {count}' for key, count in value.items())}")

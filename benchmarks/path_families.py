@@ -49,8 +49,8 @@ from hysgen.fitting import FitSettings, estimate_starts, fit
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen.stage import CreepEffect, DelayEffect, Effect, PeriodicEffect, ResonanceEffect, SaturationEffect
-from hysgen.stage.families import FAMILIES, SCENARIOS, Plant, plant, records
+from hysgen_lab.stage import CreepEffect, DelayEffect, Effect, PeriodicEffect, ResonanceEffect, SaturationEffect
+from hysgen_lab.stage.families import FAMILIES, SCENARIOS, Plant, plant, records
 
 Floats = NDArray[np.float64]
 ACCEPTED = ("constant", "saturation")

@@ -25,7 +25,7 @@ from peers_models import MODELS, compared
 from peers_work import PARAMETERS, SAMPLES, batch, runs, updates
 
 from hysgen.record import Record, load_record
-from hysgen.stage.families import FAMILIES, plant, records
+from hysgen_lab.stage.families import FAMILIES, plant, records
 
 PACKAGES = ("hysgen", "numpy", "scipy", "sysidentpy", "padasip", "filterpy")
 ROWS_TO_FIT = 5000

@@ -22,8 +22,8 @@ from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen.stage.families import thermal
-from hysgen.stage.families.plants import IDENTIFY, plant, records
+from hysgen_lab.stage.families import thermal
+from hysgen_lab.stage.families.plants import IDENTIFY, plant, records
 
 
 def main() -> None:

@@ -12,8 +12,6 @@ from pathlib import Path
 import numpy as np
 from smooth_model import behind_path, smooth
 
-from hysgen.c674x import toolchain
-from hysgen.c674x.footprint import footprint
 from hysgen.codegen import Options, generate
 from hysgen.codegen.operations import figures
 from hysgen.codegen.operations.cycles import STEPS, estimated
@@ -21,6 +19,8 @@ from hysgen.display import table
 from hysgen.model.learner_settings import BIAS, GROUPS, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
+from hysgen_c674x import toolchain
+from hysgen_c674x.footprint import footprint
 
 PLAYS = (0, 4, 8, 12, 16, 24)
 RULES = (3, 6, 9, 12, 20, 50)

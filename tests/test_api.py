@@ -19,8 +19,8 @@ from hysgen.cli.verbs import NAMES
 from hysgen.display import Displayed
 from hysgen.firmware.image import Label
 from hysgen.report.plots.results import Drawing
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 
@@ -54,7 +54,7 @@ def results(record: hysgen.Record, model: hysgen.Model) -> dict[str, Displayed]:
 def test_names_of_the_api_stand_at_the_top_and_are_loaded_when_they_are_used() -> None:
     code = (
         "import sys, hysgen; assert 'numpy' not in sys.modules, 'loaded too early'\n"
-        "import hysgen.fitting.settings, hysgen.checking.bits, hysgen.c674x.cost, hysgen.diagnosis\n"
+        "import hysgen.fitting.settings, hysgen.checking.bits, hysgen.checking.cost, hysgen.diagnosis\n"
         "from hysgen import fit, score, diagnose, generate, verify, load_record, cost\n"
         "from hysgen.fitting import FitSettings\n"
         "assert all(callable(f) for f in (fit, score, diagnose, generate, verify, load_record, cost))\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import importlib
 import re
@@ -12,15 +13,15 @@ from pathlib import Path
 import pytest
 
 import hysgen
-from hysgen import api
-from hysgen.cli.main import parser
+from hysgen.cli.main import HYSGEN, parser
+from hysgen_lab.verbs import LABORATORY
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-COMMAND = re.compile(r"^(?:    |\$ )?(hysgen [a-z].*)$", re.MULTILINE)
+COMMAND = re.compile(r"^(?:    |\$ )?((?:python -m hysgen_lab|hysgen) [a-z].*)$", re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 PATH = re.compile(r"(?<![\w/.<>:-])(?:[\w.-]+/)+[\w.-]*\w")
-MODULE = re.compile(r"(?<![\w/])hysgen(?:\.\w+)+")
+MODULE = re.compile(r"(?<![\w/])hysgen(?:_c674x|_lab)?(?:\.\w+)+")
 SOURCES = ("generator", "templates", "firmware", "tests", "benchmarks", "docs")
 OF_THE_READER = {"firmware/stage", "kick", "toml"}
 """Folders and files that a page tells the reader to make, and the cause of docs/extend.md."""
@@ -38,11 +39,12 @@ def commands(text: str) -> list[str]:
 @by_page
 def test_every_command_shown_is_one_that_the_program_has(page: Path) -> None:
     for command in commands(page.read_text()):
-        words = shlex.split(command)[1:]
+        words = shlex.split(command.removeprefix("python -m "))
+        program = LABORATORY if words.pop(0) == "hysgen_lab" else HYSGEN
         if "..." in words or any(word.isupper() for word in words):
             continue  # a pattern, not a command
         try:
-            parser().parse_args(words)
+            parser(program.names, program).parse_args(words)
         except SystemExit as exit_:
             if exit_.code != 0:  # --help and --version leave with 0
                 raise AssertionError(f"{page.name}: {command}") from exit_
@@ -144,7 +146,10 @@ def test_each_format_is_tested_on_files_of_the_library_that_the_table_names() ->
 
 
 def test_reference_of_the_python_interface_names_all_of_it() -> None:
-    assert sorted(hysgen.__all__) == sorted(api.__all__)
+    tree = ast.parse(Path(hysgen.__file__).read_text())
+    typed = {alias.name for node in tree.body if isinstance(node, ast.If) for part in node.body for alias in part.names}
+    assert set(hysgen.__all__) == typed
+    assert all(getattr(hysgen, name) for name in hysgen.__all__)
     page = (ROOT / "docs" / "api.md").read_text()
     missing = [name for name in hysgen.__all__ if not re.search(rf"\b{name}\b", page)]
     assert not missing

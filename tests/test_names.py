@@ -11,8 +11,6 @@ import pytest
 
 from fixtures import exported_folders, firmware_bench
 from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, program, settings, zlib
-from hysgen.c674x.translation import compiled
-from hysgen.checking.endurance.compiled_learner import CompiledLearner
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
@@ -27,7 +25,9 @@ from hysgen.firmware.wire import image_frames
 from hysgen.machine import kernels
 from hysgen.machine.kernel_build import build_kernels
 from hysgen.machine.native import default_toolchain, externals
-from hysgen.stage import state
+from hysgen_c674x.translation import compiled
+from hysgen_lab.stage import state
+from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
 
 REQUIRED = {
     "main": "the entry of a C program",

@@ -48,7 +48,7 @@ def run(site: Path, folder: Path, *calls: str, **environment: str) -> str:
 
 
 def test_the_wheel_generates_c_outside_the_checkout(site: Path, tmp_path: Path) -> None:
-    assert (site / "hysgen" / "stage" / "demo_stage.csv").exists()
+    assert (site / "hysgen" / "record" / "demo_stage.csv").exists()
     run(site, tmp_path, "generate appendix_a -o out")
     assert (tmp_path / "out" / "appendix_a.c").exists()
 

@@ -10,20 +10,19 @@ hysgen.verify(code)                         # the C compared with its reference,
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import json
-import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from hysgen.c674x.cost import Cost, cost_of_texts
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
+from hysgen.cli import schemas
 from hysgen.codegen import Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import read_folder
@@ -31,22 +30,20 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
 from hysgen.errors import FitError, HysgenError, RecordWarning
-from hysgen.estimator import HysteresisRegressor
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.firmware.link import BAUD, Client, open_line
-from hysgen.firmware.reference_models import with_learner
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
 from hysgen.fitting.compare import Comparison
 from hysgen.fitting.compare import compare as compare_models
 from hysgen.fitting.refit import refit as refit_model
-from hysgen.model.file import load_model, model_of, save_model
+from hysgen.model.file import model_of
 from hysgen.model.model import Model
 from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import Score, Scores
 from hysgen.model.scores import score as score_model
-from hysgen.record import Columns, Record, check_for_fit, check_validation, load_record
+from hysgen.record import Record, check_for_fit, check_validation
 from hysgen.record.columns import nearest
 from hysgen.record.inspection import Inspection
 from hysgen.record.inspection import inspect as inspect_record
@@ -57,47 +54,6 @@ from hysgen.uncertainty.history import history as history_of
 
 if TYPE_CHECKING:
     from hysgen.report.page import Page
-
-__all__ = [
-    "Columns",
-    "Cost",
-    "DiagnoseSettings",
-    "FitSettings",
-    "Generated",
-    "HysgenError",
-    "HysteresisRegressor",
-    "Model",
-    "Options",
-    "Record",
-    "RecordWarning",
-    "Report",
-    "Scores",
-    "Study",
-    "certificates",
-    "connect",
-    "cost",
-    "demo_record",
-    "describe",
-    "diagnose",
-    "diff",
-    "firmware_files",
-    "fit",
-    "generate",
-    "history",
-    "image",
-    "inspect",
-    "load_model",
-    "load_record",
-    "page",
-    "prove",
-    "refit",
-    "rivals",
-    "save_model",
-    "schema",
-    "score",
-    "verify",
-    "write_export",
-]
 
 Progress = Callable[[float, str], None]
 Settings = TypeVar("Settings", FitSettings, DiagnoseSettings)
@@ -199,18 +155,18 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     `page(study).save("report.html")`; `page(({"paper": a, "memory": b}, record))` has all models in each table.
     """
     if isinstance(result, Study):
-        return importlib.import_module("hysgen.report.diagnosis").diagnosis_page(result)  # type: ignore[no-any-return]
+        from hysgen.report.diagnosis import diagnosis_page
+
+        return diagnosis_page(result)
     if len(result) == 2:
         models, record = result
         scored = {name: score(model, record) for name, model in models.items()}
     else:
         model, scores, record = result
         models, scored = {model.name: model}, {model.name: scores}
-    room = importlib.import_module("hysgen.report.model")
-    made: Page = room.model_page(
-        title or f"{', '.join(models)} on {record.source}", room.ScoredModels(record, models, scored)
-    )
-    return made
+    from hysgen.report.model import ScoredModels, model_page
+
+    return model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
 
 
 def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:
@@ -219,12 +175,12 @@ def write_export(model: Model, target: str, folder: str | Path, options: Options
     target: sfunction, fmu, a2l, cmake, shared or cortexm. Raises HysgenError for any other, BuildError without a
     compiler.
     """
-    room = importlib.import_module("hysgen.export")
-    if target not in room.TARGETS:
-        known = ", ".join(room.TARGETS)
-        raise HysgenError(f"{target}: is no target{nearest(target, room.TARGETS)}; choose from {known}")
-    written: list[Path] = room.write_export(model_of(model), target, Path(folder), options)
-    return written
+    from hysgen import export
+
+    if target not in export.TARGETS:
+        known = ", ".join(export.TARGETS)
+        raise HysgenError(f"{target}: is no target{nearest(target, export.TARGETS)}; choose from {known}")
+    return export.write_export(model_of(model), target, Path(folder), options)
 
 
 def firmware_files(model: Model) -> Generated:
@@ -252,17 +208,8 @@ def connect(port: str, baud: int = BAUD) -> Client:
 
 def schema(name: str) -> dict[str, Any]:
     """The JSON Schema of the result of a verb ("score", "score-1"), of "model" or "manifest". Raises HysgenError."""
-    found: dict[str, Any] = json.loads(importlib.import_module("hysgen.cli.schemas").text_of(name))
-    return found
-
-
-def demo_record() -> Record:
-    """The bundled record: the laboratory's stage at 50 kHz; its first 46003 rows are for identification."""
-    text = importlib.import_module("hysgen.stage.demo_record").bundled_csv()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "demo.csv"
-        path.write_text(text, encoding="utf-8")
-        return load_record(path)
+    content: dict[str, Any] = json.loads(schemas.text_of(name))
+    return content
 
 
 def _with(settings: Settings, changes: Mapping[str, Any]) -> Settings:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import abc
 import html
-import importlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hysgen import upward
 from hysgen.errors import HysgenError
 
 
@@ -74,10 +74,6 @@ class Summary:
         return "\n".join(lines)
 
 
-PICTURES = "hysgen.report.plots.results"
-"""Module whose `draw(result, *what)` makes plots. It imports matplotlib, so it is imported by the first `plot` only."""
-
-
 class Displayed(abc.ABC):
     """A result with a display as text, as HTML and as a plot."""
 
@@ -92,12 +88,12 @@ class Displayed(abc.ABC):
         Raises HysgenError if there is nothing to plot or matplotlib is not installed.
         """
         try:
-            drawing = importlib.import_module(PICTURES)
+            draw = upward.draw()
         except ModuleNotFoundError as fault:
             missing = str(fault.name).partition(".")[0]
             raise HysgenError(f"{missing} is not installed; pip install {missing} to plot") from fault
         try:
-            return drawing.draw(self, *what)
+            return draw(self, *what)
         except TypeError as fault:
             if not what:
                 raise

@@ -14,10 +14,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysgen.checking.on_arrays import series
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.model import Model
+from hysgen.model.on_arrays import series
 from hysgen.model.unknown_past import unknown_past
 from hysgen.record import Record
 from hysgen.record.noise import noise_floor

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hysgen.cli import main
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 

@@ -15,8 +15,8 @@ from fixtures.bank_records import hum_study
 from hysgen.cli import main
 from hysgen.diagnosis.evaluation import Study
 from hysgen.record import Record
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 STROKE = 1.08

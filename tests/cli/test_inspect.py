@@ -10,8 +10,8 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.record import Record, record_csv
+from hysgen.record.bundled import bundled_csv
 from hysgen.record.inspection import inspect
-from hysgen.stage.demo_record import bundled_csv
 
 TS_S = 1e-4
 

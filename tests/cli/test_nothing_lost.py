@@ -18,7 +18,7 @@ from hysgen.errors import HysgenError
 from hysgen.machine import native
 from hysgen.machine.processes import processes
 from hysgen.model.file import load_model
-from hysgen.stage.demo_record import bundled_csv
+from hysgen.record.bundled import bundled_csv
 
 ROWS = "time_s,voltage_V,displacement_um\n" + "".join(f"{k * 1e-3:.3f},{k % 7},{k % 5}\n" for k in range(50))
 
@@ -146,7 +146,7 @@ def test_a_full_stdout_is_one_line_and_exit_code_2() -> None:
 @pytest.mark.parametrize("limit_kB", [100_000, 200_000, 350_000, 420_000])
 def test_a_limit_of_the_memory_is_one_line_or_the_result(limit_kB: int, folder: Path) -> None:
     # OpenBLAS without a buffer ends the process with a message of its own, or tries again without end (350000).
-    record = Path(str(resources.files("hysgen"))) / "stage" / "demo_stage.csv"
+    record = Path(str(resources.files("hysgen"))) / "record" / "demo_stage.csv"
     Path("part.csv").write_text("".join(record.read_text().splitlines(keepends=True)[:3001]))
     done = subprocess.run(
         [sys.executable, "-m", "hysgen", "fit", "part.csv", "-o", "x.json", "--quiet"],
@@ -205,7 +205,7 @@ def test_help_lists_the_verbs_in_groups_and_loads_no_library() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  endurance")
+    assert done.stdout.index("  diagnose") < done.stdout.index("  generate") < done.stdout.index("  demo")
 
 
 def test_a_home_that_cannot_be_written_gives_the_pictures_another_folder(

@@ -13,7 +13,7 @@ from hysgen.cli import main
 from hysgen.firmware.binding import build_id
 from hysgen.firmware.image import Label, decode
 from hysgen.model.file import load_model
-from hysgen.stage.demo_record import bundled_csv
+from hysgen_lab.stage.demo_record import bundled_csv
 
 
 @pytest.fixture(scope="module")

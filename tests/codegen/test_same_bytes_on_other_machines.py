@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 from fixtures.generated_models import path
 from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
-from hysgen.firmware.reference_models import firmware_models
 from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import (
@@ -31,10 +30,11 @@ from hysgen.machine.reproducible import (
     sine,
     total,
 )
+from hysgen_lab.firmware.reference_models import firmware_models
 
 GENERATE = (
     "import json; from hysgen.codegen import generate; from hysgen.machine.files import digest;"
-    "from hysgen.firmware.reference_models import firmware_models;"
+    "from hysgen_lab.firmware.reference_models import firmware_models;"
     "print(json.dumps([{n: digest(t.encode()) for n, t in generate(m).items()} for m in firmware_models()]))"
 )
 

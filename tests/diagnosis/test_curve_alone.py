@@ -17,10 +17,10 @@ from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import Scored, present
 from hysgen.record import Record
-from hysgen.stage import NoiseEffect, Stage
-from hysgen.stage import run as measure
-from hysgen.stage.effects.memory import draw_curve
-from hysgen.studies.bank.excitation import good
+from hysgen_lab.stage import NoiseEffect, Stage
+from hysgen_lab.stage import run as measure
+from hysgen_lab.stage.effects.memory import draw_curve
+from hysgen_lab.studies.bank.excitation import good
 
 Floats = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pytest
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.procedure import DiagnoseSettings, diagnose
 from hysgen.record import Record, load_record
-from hysgen.stage.demo_record import bundled_csv
+from hysgen.record.bundled import bundled_csv
 
 
 def alone(record: Record, start: int, stop: int) -> Record:

@@ -15,7 +15,7 @@ from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, remembered
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
 from hysgen.machine.kernels import play_operators
-from hysgen.studies.bank.excitation import good
+from hysgen_lab.studies.bank.excitation import good
 
 SAMPLES, TS_S = 120_000, 1e-3
 

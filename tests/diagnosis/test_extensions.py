@@ -19,7 +19,7 @@ from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.record import Record
 from hysgen.report.words import price_of
-from hysgen.studies.bank.scenario import scenario
+from hysgen_lab.studies.bank.scenario import scenario
 
 USUAL = FitSettings()
 

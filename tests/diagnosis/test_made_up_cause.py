@@ -23,9 +23,9 @@ from hysgen.diagnosis import diagnose
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.diagnosis.causes import VOCABULARY
-from hysgen.stage import Stage, run
-from hysgen.stage.effects import effects
-from hysgen.studies.bank.excitation import good
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.effects import effects
+from hysgen_lab.studies.bank.excitation import good
 
 assert VOCABULARY.index("slew") < VOCABULARY.index("kick") < VOCABULARY.index("delay")
 assert effects()["kick"].cause() == "kick"
@@ -65,7 +65,7 @@ def test_a_new_cause_requires_four_files(tmp_path: Path) -> None:
         "generator/hysgen/model/path/kick.py",
         "templates/path/kick.c.j2",
         "generator/hysgen/diagnosis/causes/kick.py",
-        "generator/hysgen/stage/effects/kick.py",
+        "generator/hysgen_lab/stage/effects/kick.py",
     ]
     for folder in ("generator", "templates"):
         shutil.copytree(ROOT / folder, tmp_path / folder)

@@ -13,7 +13,7 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, rms
 from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import thinned
-from hysgen.stage.families import SCENARIOS, plant, records
+from hysgen_lab.stage.families import SCENARIOS, plant, records
 
 SCRIPT = Path(__file__).parents[2] / "benchmarks" / "path_families.py"
 

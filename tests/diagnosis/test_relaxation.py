@@ -10,7 +10,7 @@ from hysgen.diagnosis.probe import Scene
 from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import search
 from hysgen.machine.threads import one_blas_thread
-from hysgen.studies.bank.family_scenario import family_scenario
+from hysgen_lab.studies.bank.family_scenario import family_scenario
 
 
 def seen(family: str) -> Scene:

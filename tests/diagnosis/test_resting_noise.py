@@ -11,12 +11,12 @@ from hysgen.diagnosis.probe.dynamics import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import resting_noise
 from hysgen.record import Record
-from hysgen.stage import Density, NoiseEffect, Relays, Stage
-from hysgen.stage import run as measure
-from hysgen.stage.effects.chirp import ChirpEffect
-from hysgen.stage.effects.memory import Hysteresis, draw_curve
-from hysgen.studies.bank.excitation import good
-from hysgen.studies.bank.scenario import ACCEPTED
+from hysgen_lab.stage import Density, NoiseEffect, Relays, Stage
+from hysgen_lab.stage import run as measure
+from hysgen_lab.stage.effects.chirp import ChirpEffect
+from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve
+from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import ACCEPTED
 
 RATE_S, ROWS = 1e-3, 7000
 NARROW = Relays(Density(40.0, 55.0, 15.0, 65.0), 0.15)

@@ -18,8 +18,8 @@ from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import search
 from hysgen.errors import RecordError
 from hysgen.record import Record
-from hysgen.studies.bank.excitation import good
-from hysgen.studies.bank.scenario import scenario
+from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import scenario
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

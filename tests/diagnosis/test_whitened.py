@@ -20,9 +20,9 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, whitened_fit
 from hysgen.machine.kernels import innovation_gains, innovations
 from hysgen.record import Record
-from hysgen.stage import Density, NoiseEffect, Relays, Stage
-from hysgen.stage import run as measure
-from hysgen.studies.bank.excitation import good
+from hysgen_lab.stage import Density, NoiseEffect, Relays, Stage
+from hysgen_lab.stage import run as measure
+from hysgen_lab.studies.bank.excitation import good
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import pytest
 
 from fixtures.firmware_bench import ModelStage, booted, image, model, sine, tracking
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import (
     SLOT_BYTES,
     BoardFault,
@@ -23,13 +23,13 @@ from hysgen.firmware.host import (
     State,
 )
 from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode, pack
-from hysgen.firmware.reference_models import TS_S, identified, laboratory, measured, with_learner
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model
 from hysgen.record import Record
-from hysgen.stage import StageState
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.firmware.reference_models import TS_S, identified, laboratory, measured
+from hysgen_lab.stage import StageState
+from hysgen_lab.stage.signals import nested_amplitudes
 
 STIFFER, SOFTER = np.array([1.0, 1.02, 1.0]), np.array([1.0, 0.98, 1.0])
 

@@ -24,8 +24,8 @@ from hysgen.firmware.binding import build_id, firmware_model, structure_digest
 from hysgen.firmware.host import HostFirmware, Request, Settings, State
 from hysgen.firmware.image import ANSWERS, Label, Owner, encode
 from hysgen.firmware.link import Client
-from hysgen.firmware.simulated import compile_image
 from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, image_frames, payload
+from hysgen_c674x.firmware.simulated import compile_image
 
 OWNER = Owner(bytes(range(16)), 0xABCDEF)
 QUICK = Settings(hold_samples=256, ramp_V=0.5, fall_V=0.5, approach_um=0.01)

@@ -10,9 +10,9 @@ import pytest
 from fixtures.firmware_bench import WARNINGS, ModelStage, image, model
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, HostImage, Settings, State
-from hysgen.firmware.reference_models import extended
 from hysgen.machine.native import Toolchain, default_toolchain
 from hysgen.model.path import preview
+from hysgen_lab.firmware.reference_models import extended
 
 CENTRE_UM = 2.0
 NOISE_NM = 0.1

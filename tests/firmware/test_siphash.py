@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from hysgen.c674x import toolchain as c674x
-from hysgen.c674x.machine import Machine
 from hysgen.firmware.siphash import siphash
 from hysgen.firmware.sources import CONTROLLER, read_sources
 from hysgen.machine.native import Library, build
+from hysgen_c674x import toolchain as c674x
+from hysgen_c674x.machine import Machine
 
 KEY = bytes(range(16))
 # Tags of the messages 00, 00 01, ... of 0 to 63 bytes under KEY: vectors_sip64 of the reference implementation.

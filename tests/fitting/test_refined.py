@@ -25,7 +25,7 @@ from hysgen.model.rivals import fit_prandtl_ishlinskii, score_rivals
 from hysgen.model.scores import score
 from hysgen.model.simulate import free_run, simulate
 from hysgen.record import Record, Segment, load_record
-from hysgen.stage import Stage, run
+from hysgen_lab.stage import Stage, run
 
 TERMS = (Periodic((130.0, 310.0)),)
 

@@ -15,8 +15,8 @@ from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.compare import compare
 from hysgen.fitting.refit import refit
 from hysgen.record import Record
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 

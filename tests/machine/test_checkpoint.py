@@ -12,8 +12,8 @@ from hysgen.diagnosis.probe import solve
 from hysgen.machine import checkpoint
 from hysgen.machine.checkpoint import content_digest, forget, resumed, steps
 from hysgen.record import Record
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 
 @pytest.fixture(autouse=True)

@@ -22,9 +22,9 @@ from hysgen.machine.cache import LruCache
 from hysgen.machine.memory import THREAD
 from hysgen.machine.processes import in_processes, processes, several_processes
 from hysgen.record import Record
-from hysgen.stage import Stage
-from hysgen.stage import run as measure
-from hysgen.studies.bank.excitation import good
+from hysgen_lab.stage import Stage
+from hysgen_lab.stage import run as measure
+from hysgen_lab.studies.bank.excitation import good
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the processes are told apart by a POSIX shell")
 

@@ -15,8 +15,8 @@ from hysgen.model.scores import score
 from hysgen.model.simulate import free_run
 from hysgen.model.unknown_past import unknown_past
 from hysgen.record import Record
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 CUT = 6240

@@ -11,8 +11,8 @@ import pytest
 from hysgen.errors import RecordError
 from hysgen.record import Record, check_for_fit, check_validation, load_record
 from hysgen.record.series import turning_rows
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import fig5, fig11_sine
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import fig5, fig11_sine
 
 TS_S = 20e-6
 LAB = Stage.laboratory()
@@ -38,7 +38,7 @@ def test_too_few_samples_for_the_rules_are_refused_with_the_number_needed() -> N
 
 @pytest.mark.parametrize("rules", [1, 6, 30])
 def test_bundled_record_is_not_warned_about(rules: int) -> None:
-    with as_file(files("hysgen.stage") / "demo_stage.csv") as path:
+    with as_file(files("hysgen.record") / "demo_stage.csv") as path:
         assert check_for_fit(load_record(path), rules, 3 * rules + 12) == ()
 
 

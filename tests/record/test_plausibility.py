@@ -15,7 +15,7 @@ from hysgen.errors import RecordError
 from hysgen.record import Record
 from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end, swapped
-from hysgen.stage import (
+from hysgen_lab.stage import (
     BoucWen,
     DelayEffect,
     DriftEffect,
@@ -28,7 +28,7 @@ from hysgen.stage import (
     StickSlipEffect,
     run,
 )
-from hysgen.stage.signals import fig5, fig8, fig11_non_harmonic, plateaus
+from hysgen_lab.stage.signals import fig5, fig8, fig11_non_harmonic, plateaus
 
 TS_S = 20e-6
 LAB = Stage.laboratory()

@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 import hysgen
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record, record_csv
-from hysgen.stage import Stage, run
-from hysgen.stage.signals import nested_amplitudes
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.stage.signals import nested_amplitudes
 
 TS_S = 1e-4
 RNG = np.random.default_rng(5)

@@ -37,11 +37,11 @@ from hysgen.report.plots.simulated import time_picture
 from hysgen.report.plots.style import plain_number, png_bytes, svg_bytes
 from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, parameter_text, verdict
-from hysgen.stage import Stage
-from hysgen.stage import run as measure
-from hysgen.stage.signals import nested_amplitudes
 from hysgen.uncertainty.sensor import sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
+from hysgen_lab.stage import Stage
+from hysgen_lab.stage import run as measure
+from hysgen_lab.stage.signals import nested_amplitudes
 
 pytestmark = pytest.mark.slow
 """Every page needs a diagnosis, or generated C that was verified."""

@@ -16,12 +16,12 @@ from hysgen.errors import HysgenError, ModelError
 from hysgen.model.file import load_model, save_model
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
-from hysgen.studies.coverage import coverage
 from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
 from hysgen.uncertainty.history import history
 from hysgen.uncertainty.repeatability import Repeatability, repeatability
 from hysgen.uncertainty.sensor import SensorUncertainty, sensor_uncertainty
 from hysgen.uncertainty.simulated import Evidence, budget
+from hysgen_lab.studies.coverage import coverage
 
 EXAMPLE = Budget(
     "worked example of docs/uncertainty.md",
@@ -76,7 +76,7 @@ def test_independent_samples_of_a_first_order_series() -> None:
 
 @pytest.mark.proof
 def test_expanded_uncertainty_holds_the_truth_of_virtual_stages() -> None:
-    """`python -m hysgen.studies.coverage --stages 1000` tries more; 95 % is stated."""
+    """`python -m hysgen_lab.studies.coverage --stages 1000` tries more; 95 % is stated."""
     found = coverage(60)
     assert 0.91 <= found.share <= 0.99, found
 

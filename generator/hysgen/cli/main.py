@@ -24,7 +24,7 @@ from hysgen.cli.console import Console, discard_stdout
 from hysgen.cli.folding import folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.project import project_options
-from hysgen.cli.verbs import GROUPS, NAMES, verb
+from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
 from hysgen.errors import HysgenError
 from hysgen.machine.installed import version
 from hysgen.machine.memory import LIBRARIES, require_room
@@ -50,6 +50,8 @@ Exit codes: 0 done, 1 done with a negative answer, 2 not done.
 HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder).
 HYSGEN_PROCESSES is the number of processes of a diagnosis (default: one for each core, at most 4)."""
 
+HYSGEN = Program("hysgen", _DESCRIPTION, GROUPS, lambda name: verb(name), _FIRST_STEPS, _BELOW)
+
 
 class _Parser(argparse.ArgumentParser):
     """argparse with one-line errors, as in the rest of the program."""
@@ -60,13 +62,13 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
+def parser(names: Sequence[str] = NAMES, program: Program = HYSGEN) -> argparse.ArgumentParser:
     """The parser of the command line with the verbs `names`, whose modules are imported."""
-    top = _Parser(prog="hysgen", description=_DESCRIPTION)
+    top = _Parser(prog=program.name, description=program.description)
     top.add_argument("-V", "--version", action="version", version=f"hysgen {version()}")
     verbs = top.add_subparsers(dest="verb", metavar="VERB", required=True, parser_class=_Parser)
     for name in names:
-        chosen = verb(name)
+        chosen = program.verb(name)
         sub = verbs.add_parser(
             name,
             description=_paragraphs(chosen.help),
@@ -80,7 +82,7 @@ def parser(names: Sequence[str] = NAMES) -> argparse.ArgumentParser:
         sub.add_argument("-v", "--verbose", action="store_true", help="every step on a line of its own, with its time")
         sub.set_defaults(run=chosen.run, outputs=chosen.outputs)
         if len(names) == 1:
-            sub.set_defaults(**project_options(name, sub, NAMES))
+            sub.set_defaults(**project_options(name, sub, tuple(dict.fromkeys((*program.names, *NAMES)))))
     return top
 
 
@@ -102,13 +104,13 @@ def _examples(lines: Sequence[str]) -> str:
     return "\n".join(["examples:", *made])
 
 
-def overview() -> str:
+def overview(program: Program = HYSGEN) -> str:
     """The text of `hysgen --help`: the verbs in groups, without importing any of them."""
     columns = shutil.get_terminal_size().columns
-    lines = ["usage: hysgen VERB ... [--help]", "", *textwrap.wrap(_DESCRIPTION, columns), ""]
-    groups = {title: {name: summary for name, (_, summary) in verbs.items()} for title, verbs in GROUPS.items()}
-    for title, entries in {**groups, "first steps": _FIRST_STEPS}.items():
-        width = max(map(len, entries if title == "first steps" else NAMES)) + 2
+    lines = [f"usage: {program.name} VERB ... [--help]", "", *textwrap.wrap(program.description, columns), ""]
+    groups = {title: {name: summary for name, (_, summary) in verbs.items()} for title, verbs in program.groups.items()}
+    for title, entries in {**groups, **({"first steps": program.first} if program.first else {})}.items():
+        width = max(map(len, entries if title == "first steps" else program.names)) + 2
         lines.append(f"{title}:")
         # Beside long commands there may be no room.
         beside = columns - width - 2 >= LEAST_BESIDE
@@ -117,24 +119,25 @@ def overview() -> str:
             first = f"  {name:<{width}}{parts.pop(0)}" if beside else f"  {name}"
             lines += [first, *(" " * (width + 2 if beside else 6) + part for part in parts)]
         lines.append("")
-    return "\n".join([*lines, folded(_BELOW, columns)])
+    return "\n".join([*lines, folded(program.below, columns)])
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, program: Program = HYSGEN) -> int:
     """Run one verb. Returns the exit code. An error of the user or of the machine is one line without traceback."""
     sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
     words = list(sys.argv[1:] if argv is None else argv)
     name = next((word for word in words if not word.startswith("-")), "")
+    command = f"{program.name} {name}"
     try:
-        return _run(words)
+        return _run(words, program)
     except HysgenError as fault:
-        return _fails(name, str(fault))
+        return _fails(command, str(fault))
     except MemoryError as fault:
-        return _fails(name, f"not enough memory ({fault}); use fewer rows with --rows, or a machine with more")
+        return _fails(command, f"not enough memory ({fault}); use fewer rows with --rows, or a machine with more")
     except ImportError as fault:
-        return _fails(name, f"a library cannot be loaded ({fault}): not enough memory, or a damaged installation")
+        return _fails(command, f"a library cannot be loaded ({fault}): not enough memory, or a damaged installation")
     except KeyboardInterrupt:
-        print(f"\nhysgen {name}: interrupted; files already written are whole", file=sys.stderr)
+        print(f"\n{command}: interrupted; files already written are whole", file=sys.stderr)
         return 130
     except BrokenPipeError:
         # The reader closed the pipe. This is no error, and Python must not report one when it closes stdout.
@@ -143,7 +146,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as fault:
         discard_stdout()
         file = f"{fault.filename}: " if fault.filename else ""
-        return _fails(name, f"{file}{fault.strerror or fault}; the result is not complete")
+        return _fails(command, f"{file}{fault.strerror or fault}; the result is not complete")
 
 
 def _verb_first(words: list[str]) -> list[str]:
@@ -152,29 +155,30 @@ def _verb_first(words: list[str]) -> list[str]:
     return [*words[count : count + 1], *words[:count], *words[count + 1 :]]
 
 
-def _run(words: list[str]) -> int:
+def _run(words: list[str], program: Program) -> int:
     words = _verb_first(words)
     if words in (["--help"], ["-h"], ["help"], []):
-        print(overview(), flush=True)
+        print(overview(program), flush=True)
         return 0 if words else 2
     if words[:1] == ["help"]:
         words = [*words[1:2], "--help"]
     if words in (["--version"], ["-V"]):
         print(f"hysgen {version()}", flush=True)
         return 0
-    if words[0] == "completion":
+    if words[0] == "completion" and program is HYSGEN:
         if len(words) != 2 or words[1] not in SHELLS:
             raise HysgenError(f"completion: name a shell out of {', '.join(SHELLS)}")
         print(script(words[1], options_of(parser())), end="", flush=True)
         return 0
-    names = [words[0]] if words[0] in NAMES else NAMES
-    if names is NAMES and not words[0].startswith("-"):
+    known = program.names
+    names = [words[0]] if words[0] in known else known
+    if names is known and not words[0].startswith("-"):
         from hysgen.record.columns import nearest  # imports NumPy, which --version does without
 
-        raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], NAMES)}; hysgen --help lists them")
+        raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], known)}; {program.name} --help lists them")
     require_room(LIBRARIES)
     _place_matplotlib()
-    arguments = parser(names).parse_args(_negative_rows_joined(words))
+    arguments = parser(names, program).parse_args(_negative_rows_joined(words))
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
     try:
@@ -211,9 +215,9 @@ def _negative_rows_joined(words: Sequence[str]) -> list[str]:
     return joined
 
 
-def _fails(name: str, text: str) -> int:
+def _fails(command: str, text: str) -> int:
     with contextlib.suppress(OSError):
-        print(f"hysgen {name}: {' '.join(text.split())}", file=sys.stderr, flush=True)
+        print(f"{command}: {' '.join(text.split())}", file=sys.stderr, flush=True)
     return 2
 
 

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 UNKNOWN_ABOVE, OVER_NOISE = 0.0035, 2.5
 """Residual rms, as a share of the span of y and in noise floors, from both of which on the residual has structure.
 
-Of 780 stages of the families of `hysgen bank` without an effect outside the vocabulary the probe left more than this
+Of 780 stages of the families of the laboratory without an effect outside the vocabulary the probe left more than this
 share on two, and more than 0.25 % on seven. Small stick-slip leaves as little and is missed; jumps and changes of the
 gain are parts of the probe and need no such limit.
 """

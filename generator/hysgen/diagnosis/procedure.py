@@ -24,7 +24,7 @@ from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.pruning import Pruned, prune
-from hysgen.diagnosis.score import LEAST_EVIDENCE
+from hysgen.diagnosis.score import LEAST_EVIDENCE, present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.diagnosis.slow_extensions import extensions_for
 from hysgen.fitting import FitSettings
@@ -96,6 +96,11 @@ class Naming:
     def names(self) -> tuple[str, ...]:
         """Names of the causes, `unknown` last if structure is left."""
         return (*self.agreed, *(("unknown",) if self.unknown else ()))
+
+    @property
+    def confidence(self) -> dict[str, float]:
+        """Confidence of every cause in the chain."""
+        return {name: self.found.confidence[name] for name in present(self.found.fit.chain)}
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -20,6 +21,7 @@ from hysgen.machine.files import digest
 from hysgen.machine.installed import version
 from hysgen.model.disturbances import channels_of
 from hysgen.model.file import dump_model
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 
@@ -27,6 +29,7 @@ BINDING: Final = "model.h"
 TYPES: Final = ("t", "bank_t", "learner_t")
 """Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
 DIGEST_WORDS: Final = 4
+LEARNER_ALPHA: Final = 1e-6
 
 
 def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
@@ -38,6 +41,16 @@ def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
     """
     require_drivable(model)
     return generate(model, Options(aligned=aligned)) | {BINDING: binding(model)}
+
+
+def with_learner(model: Model) -> Model:
+    """The model with a learner of the rules' consequents.
+
+    alpha is small, so the prior holds the parameters near their identified values, and the forgetting factor is 1 until
+    the window is full. One sine does not excite all parameters; without these settings the unexcited ones would drift
+    until commit refuses them.
+    """
+    return replace(model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA))
 
 
 def require_drivable(model: Model) -> None:

@@ -187,7 +187,7 @@ class HostImage:
 
 
 class DrivenPlant(Protocol):
-    """The plant that the host's board drives, such as a `hysgen.stage.StageState`."""
+    """The plant that the host's board drives, such as the state of a virtual stage."""
 
     @property
     def y_um(self) -> float:

@@ -19,7 +19,7 @@ def data_folder(name: str, holds: str) -> Path:
     In a wheel the folder lies inside the package, in a checkout beside `generator/`.
     Raises BuildError if the folder is missing.
     """
-    package = Path(str(resources.files("hysgen")))
+    package = Path(str(resources.files(__package__.partition(".")[0])))
     for folder in (package / name, package.parents[1] / name):
         if (folder / holds).exists():
             return folder

@@ -22,12 +22,9 @@ from hysgen.errors import ModelError
 from hysgen.machine.files import write_whole
 from hysgen.model.disturbances import Term, term_from_json
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import Grid, Model
+from hysgen.model.model import SCHEMA, UNITS, VERSION, Grid, Model
 from hysgen.model.path import InputBlock, block_from_json
 
-SCHEMA = "hysgen-model"
-VERSION = 1
-UNITS = {"time": "s", "voltage": "V", "displacement": "um"}
 SUFFIX = ".json"
 
 _FIELDS = (
@@ -49,37 +46,10 @@ _FIELDS = (
 )
 
 
-def model_to_json(model: Model) -> dict[str, Any]:
-    """`model` as plain JSON values, in the order of the file."""
-    centres = model.grid.centres_range_um
-    return {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "name": model.name,
-        "units": dict(UNITS),
-        "Ts_s": float(model.Ts_s),
-        "grid": {
-            "y_min_um": float(model.grid.y_min_um),
-            "y_max_um": float(model.grid.y_max_um),
-            "rules": int(model.grid.rules),
-            **({} if centres is None else {"spread_um": [float(end) for end in centres]}),
-        },
-        "input_range_V": [float(model.u_min_V), float(model.u_max_V)],
-        "consequents": model.consequents.tolist(),
-        "terms": [term.to_json() for term in model.terms],
-        "weights": model.weights.tolist(),
-        "blocks": [block.to_json() for block in model.blocks],
-        **({} if model.learner is None else {"learner": model.learner.to_json()}),
-        "history": dict(model.history),
-        "scores": dict(model.scores),
-        "certificates": dict(model.certificates),
-    }
-
-
 def dump_model(model: Model) -> str:
     """The text of the model file. Raises ModelError if history, scores or certificates contain non-JSON values."""
     try:
-        return _text(model_to_json(model)) + "\n"
+        return _text(model.to_json()) + "\n"
     except (TypeError, ValueError) as fault:
         raise ModelError(
             f"{model.name}: cannot be written as JSON ({fault}); keep plain finite values in it"
@@ -279,4 +249,4 @@ def _text(value: Any, indent: int = 0) -> str:
 
 def _shipped() -> Traversable:
     """The folder of the models that ship with hysgen."""
-    return resources.files("hysgen.model") / "shipped"
+    return resources.files(__package__) / "shipped"

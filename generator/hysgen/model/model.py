@@ -11,7 +11,6 @@ This package is float64: the reference for the errors of the float32 layers.
 from __future__ import annotations
 
 import dataclasses
-import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,8 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysgen import upward
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
+from hysgen.model import on_arrays
 from hysgen.model.disturbances import Term
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
@@ -30,8 +31,10 @@ Floats = NDArray[np.float64]
 
 MOST_RULES = 256
 
-ON_ARRAYS = "hysgen.checking.on_arrays"
-"""Module with the functions behind `Model.simulate`, `predict` and `inverse`, imported by the first call."""
+SCHEMA = "hysgen-model"
+VERSION = 1
+UNITS = {"time": "s", "voltage": "V", "displacement": "um"}
+"""Of the model file."""
 
 
 @dataclass(frozen=True)
@@ -176,28 +179,47 @@ class Model(Displayed):
         return hash((self.name, self.Ts_s, self.grid, self.u_min_V, self.u_max_V, self.blocks, self.terms, numbers))
 
     def to_json(self) -> dict[str, Any]:
-        """The content of the model file as plain JSON values."""
-        content: dict[str, Any] = importlib.import_module("hysgen.model.file").model_to_json(self)
-        return content
+        """The content of the model file as plain JSON values, in the order of the file."""
+        centres = self.grid.centres_range_um
+        return {
+            "schema": SCHEMA,
+            "version": VERSION,
+            "name": self.name,
+            "units": dict(UNITS),
+            "Ts_s": float(self.Ts_s),
+            "grid": {
+                "y_min_um": float(self.grid.y_min_um),
+                "y_max_um": float(self.grid.y_max_um),
+                "rules": int(self.grid.rules),
+                **({} if centres is None else {"spread_um": [float(end) for end in centres]}),
+            },
+            "input_range_V": [float(self.u_min_V), float(self.u_max_V)],
+            "consequents": self.consequents.tolist(),
+            "terms": [term.to_json() for term in self.terms],
+            "weights": self.weights.tolist(),
+            "blocks": [block.to_json() for block in self.blocks],
+            **({} if self.learner is None else {"learner": self.learner.to_json()}),
+            "history": dict(self.history),
+            "scores": dict(self.scores),
+            "certificates": dict(self.certificates),
+        }
 
     def simulate(
         self, u_V: ArrayLike, y0_um: float | None = None, channels: Mapping[str, ArrayLike] | None = None
     ) -> Floats:
         """Displacement in um, (n,), of a free run under the voltages u_V, (n,), from rest under u(0) or from y0_um."""
-        run: Floats = importlib.import_module(ON_ARRAYS).simulate(self, u_V, y0_um, channels)
-        return run
+        return on_arrays.simulate(self, u_V, y0_um, channels)
 
     def predict(self, y_um: ArrayLike, u_V: ArrayLike, channels: Mapping[str, ArrayLike] | None = None) -> Floats:
         """One step ahead in um, (n,): element k predicts y(k) from measured y(k-1) and u(k-1); element 0 is y(0)."""
-        run: Floats = importlib.import_module(ON_ARRAYS).predict(self, y_um, u_V, channels)
-        return run
+        return on_arrays.predict(self, y_um, u_V, channels)
 
     def inverse(self, reference_um: ArrayLike, y_um: ArrayLike | None = None) -> Floats:
         """Voltage in V, (n - 1,), that takes y(k) to reference(k + 1), Eq. (11), in float32 by the generated C.
 
         y_um: measured displacement; by default the reference itself (feed-forward).
         """
-        run: Floats = importlib.import_module(ON_ARRAYS).inverse(self, reference_um, y_um)
+        run: Floats = upward.inverse()(self, reference_um, y_um)
         return run
 
     def within(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,11 @@ from hysgen.errors import RecordError
 from hysgen.machine.kernels import rule_rows
 from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval
-from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, applied, path_range
 from hysgen.record import Record, Segment
+
+if TYPE_CHECKING:
+    from hysgen.model.model import Grid, Model
 
 Floats = NDArray[np.float64]
 Trust = Sequence[Floats]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,12 @@ from hysgen.errors import RecordError
 from hysgen.machine import kernels
 from hysgen.machine.kernels import Rules
 from hysgen.model.disturbances import Drive
-from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.regression import Starts, drives_of, structure_of, term_output
 from hysgen.record import Record, Segment
+
+if TYPE_CHECKING:
+    from hysgen.model.model import Model
 
 Floats = NDArray[np.float64]
 

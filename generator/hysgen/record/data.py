@@ -17,6 +17,7 @@ from hysgen.errors import RecordError
 from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
 from hysgen.record.columns import Columns
+from hysgen.record.content import parts_of_frame
 from hysgen.record.relation import rate, relation, scale
 from hysgen.record.segment import Segment, digest_of, with_common_channels
 
@@ -109,8 +110,7 @@ class Record(Displayed):
         An index that is no plain count is read as a column too. columns: as for `load_record`.
         Raises RecordError as `load_record` does.
         """
-        made: Record = importlib.import_module("hysgen.record.read").record_of_frame(frame, columns)
-        return made
+        return cls.from_segments(*parts_of_frame(frame, columns))
 
     def to_dataframe(self) -> Any:
         """A pandas DataFrame with time_s, voltage_V, displacement_um, the further channels, and segment if several.

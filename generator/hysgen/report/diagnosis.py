@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from hysgen.c674x.cost import Cost, cost_of_texts
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.codegen import Options, generate
 from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text, share_text
 from hysgen.errors import HysgenError

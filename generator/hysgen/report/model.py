@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hysgen.c674x.cost import Cost
 from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost
 from hysgen.model.model import Model
 from hysgen.model.scores import SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import scipy
 
-from hysgen.c674x.cost import Cost
 from hysgen.certify.certificates import certify
 from hysgen.certify.dynamics import dynamics
 from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost
 from hysgen.machine.files import digest
 from hysgen.machine.installed import version
 from hysgen.model.file import dump_model

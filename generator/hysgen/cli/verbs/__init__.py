@@ -34,12 +34,8 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "schema": ("schema", "the JSON Schema of the result of a verb, of a model file, of a manifest"),
         "link": ("link", "commands to running firmware: state, start, stop, reference, parameter images"),
     },
-    "examples and studies": {
+    "an example": {
         "demo": ("demo", "the whole way on the bundled record"),
-        "experiments": ("studies", "the paper's experiments on the virtual stage"),
-        "track": ("firmware", "the complete firmware on the virtual stage"),
-        "bank": ("studies", "how often a diagnosis of hidden effects is right"),
-        "endurance": ("studies", "the learner for hours of poor and broken excitation"),
     },
 }
 """Module and summary of each verb, by group, in the order of the work and of `hysgen --help`."""
@@ -60,6 +56,27 @@ class Verb:
     run: Callable[[argparse.Namespace, Console], int]
     outputs: Mapping[str, Output] = field(default_factory=dict)
     examples: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Program:
+    """A command with verbs: `hysgen`, or one beside it that shares its manners.
+
+    groups: as GROUPS. verb: the verb of a name. first: commands to begin with, each with what it does; below: text at
+    the end of the overview.
+    """
+
+    name: str
+    description: str
+    groups: Mapping[str, Mapping[str, tuple[str, str]]]
+    verb: Callable[[str], Verb]
+    first: Mapping[str, str] = field(default_factory=dict)
+    below: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every verb, in the order of the overview."""
+        return tuple(name for verbs in self.groups.values() for name in verbs)
 
 
 def verb(name: str) -> Verb:

@@ -6,10 +6,10 @@ import argparse
 import time
 from pathlib import Path
 
-from hysgen.c674x.cost import cost
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.checking.bits.builds import COMPILERS, LEVELS, toolchains
+from hysgen.checking.cost import cost
 from hysgen.cli.console import Console
 from hysgen.cli.outputs import Output, check_file, check_files
 from hysgen.cli.verbs import Verb
@@ -24,9 +24,9 @@ from hysgen.machine.files import write_whole
 from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
 from hysgen.record import load_record
+from hysgen.record.bundled import IDENTIFICATION_ROWS, bundled_csv
 from hysgen.report.diagnosis import diagnosis_page
 from hysgen.report.words import price_of, verdict
-from hysgen.stage.demo_record import bundled_csv, identification_rows
 
 DEMO_HELP = """\
 The whole way on the bundled record: diagnosis, C, equality of bits, cost, a page, all in one folder.
@@ -59,7 +59,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
         check_file(csv, "-o", arguments.force)
         write_whole(csv, bundled_csv())
     check_files(folder, DEMO_FILES, "-o", arguments.force)
-    record, cut = load_record(csv), identification_rows()
+    record, cut = load_record(csv), IDENTIFICATION_ROWS
     settings = DiagnoseSettings(FitSettings(name="stage"), identify=cut / record.samples, price=price_of)
 
     command = f"hysgen diagnose {csv} --rows 0:{cut} -o {model_file} --report {page}"
@@ -82,7 +82,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
 
     console.say(f"\n$ hysgen cost {code}")
     price = cost(code)
-    console.say(cost_text(price))
+    console.say(cost_text(price, model))
 
     write_whole(page, diagnosis_page(study, proof=(report, price), command=command).html())
     seconds = time.monotonic() - started

@@ -1,4 +1,4 @@
-"""The complete firmware: sizes and cycles of its image, parameter images, tracking on the virtual stage."""
+"""The complete firmware: sizes and cycles of its image, parameter images."""
 
 from __future__ import annotations
 
@@ -11,17 +11,12 @@ from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_kernels, scheduled
 from hysgen.codegen import write
-from hysgen.display import table
-from hysgen.errors import BuildError, ModelError, TargetError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest
+from hysgen.errors import BuildError, ModelError
+from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode, read_key
-from hysgen.firmware.reference_models import with_learner
-from hysgen.firmware.simulated import SAMPLES, SimulatedRun, compile_image, simulate, static_bounds
-from hysgen.firmware.target import MEMORIES, LinkedImage, link_image
-from hysgen.firmware.timing import TIMING_HEADS, timing_rows, timings
-from hysgen.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
+from hysgen.targets import named, targets
 
 FIRMWARE_HELP = """\
 Write what the firmware needs of a model (its C and model.h), and say what the image costs on the C6748.
@@ -29,10 +24,9 @@ Write what the firmware needs of a model (its C and model.h), and say what the i
 The firmware itself, which calls it, is in firmware/ of the sources; docs/firmware.md says how to put both together."""
 IMAGE_HELP = """\
 Write a model's numbers as a parameter image, which running firmware takes if it is whole, right and certified."""
-TRACK_HELP = """\
-Run the complete firmware on the virtual stage through section 4.3 of the paper: tracking error by controller."""
 
-BUDGET = 7500
+SAMPLES = 12_000
+"""Of the run on the simulator."""
 
 
 def firmware_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,57 +45,21 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
     texts = firmware_model(model, aligned=bool(arguments.kernels))
     if arguments.kernels:
-        texts = scheduled(model.name, texts, console)
+        texts = scheduled(arguments.kernels, model.name, texts, console)
     if arguments.output:
         check_files(Path(arguments.output), list(texts), "-o", arguments.force)
         write(texts, Path(arguments.output))
         console.say(f"written: {len(texts)} files in {arguments.output}")
+    able = named("firmware")
+    result: dict[str, object] = {"model": model.name, "target": None}
     try:
-        built = link_image(model.name, texts)
+        if not able:
+            raise BuildError("no package of a target that the firmware runs on is installed")
+        image_cost = targets()[able[0]].firmware
+        result |= image_cost(model, texts, arguments.samples, console.say, console.warn) if image_cost else {}
     except BuildError as refusal:
         console.warn(f"sizes and cycles are missing: {refusal}")
-        console.write_json({"model": model.name, "target": None})
-        return 0
-    console.say(sections_table(built))
-    compiled = compile_image(texts)
-    cycles = static_bounds(model.name, compiled)
-    rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
-    console.say("\n" + table(["static bounds, stall-free", "cycles"], rows))
-    result: dict[str, object] = {"model": model.name, "target": built.to_json(), "bounds": cycles}
-    result |= {"simulated": None, "timing": None}
-    try:
-        run = simulate(model, texts, compiled, arguments.samples)
-        console.say(cycles_table(run))
-        result["simulated"] = run.to_json()
-        timed = timings(model, compiled)
-        console.say("\n" + table(TIMING_HEADS, timing_rows(timed, BUDGET)))
-        result["timing"] = {name: each.to_json() for name, each in timed.items()}
-    except TargetError as refusal:
-        console.warn(f"cycles are missing: {refusal}")
     return console.finish(result)
-
-
-def sections_table(built: LinkedImage) -> str:
-    """Sections of the image, and bytes used of each memory."""
-    sections = [[s.name, f"0x{s.address:08x}", s.memory, f"{s.size}"] for s in built.sections]
-    used = [f"{name}: {size} of {MEMORIES[name][1]} bytes" for name, size in built.used.items()]
-    return "\n".join([table(["section", "address", "memory", "bytes"], sections, left=3), *used, built.compiler])
-
-
-def cycles_table(run: SimulatedRun) -> str:
-    """Cycles by state of the firmware, and whether the simulator gives the bits of the host."""
-    named = {f"interrupt, {state}": cycles for state, cycles in run.interrupt.items()} | {"idle loop": run.idle}
-    rows = [[name, f"{best} .. {worst}", f"{100 * worst / BUDGET:.1f} %"] for name, (best, worst) in named.items()]
-    verdict = "the host's bits" if run.equal else f"NOT THE HOST'S BITS in {run.differing}"
-    return "\n".join(
-        [
-            "",
-            table(["on the simulator", "cycles", "of 7500"], rows),
-            f"{run.samples} samples, {run.commits} commits: {verdict}; self-test at boot: {run.selftest} mismatches, "
-            f"{run.boot} cycles",
-            "stall-free cycles; nothing ran on silicon",
-        ]
-    )
 
 
 def image_arguments(parser: argparse.ArgumentParser) -> None:
@@ -152,39 +110,7 @@ def _key(arguments: argparse.Namespace) -> bytes:
     return read_key(Path(arguments.key)) if arguments.key else NO_KEY
 
 
-def track_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--seconds", type=float, default=SECONDS, metavar="S", help=f"of reference (default {SECONDS:g})"
-    )
-
-
-def run_track(arguments: argparse.Namespace, console: Console) -> int:
-    results, noise_nm = track(arguments.seconds, console.progress)
-    console.say(tracking_table(results, noise_nm))
-    return console.finish({"sensor_noise_nm": noise_nm, "tracking": [result.to_json() for result in results]})
-
-
-def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:
-    """Tracking errors by controller, with the sensor's noise and the paper's errors below."""
-    rows = [
-        [
-            f"{result.f_Hz:g} Hz, {result.controller}",
-            f"{result.rms_nm:.2f}",
-            f"{result.mean_nm:+.2f}",
-            f"{result.spread_nm:.2f}",
-            f"{result.last_nm:.2f}",
-            f"{result.voltage_V[0]:.1f} .. {result.voltage_V[1]:.1f}",
-            f"{result.commits}",
-        ]
-        for result in results
-    ]
-    header = ["reading minus reference", "rms nm", "mean nm", "spread nm", "last second nm", "voltage V", "commits"]
-    paper = ", ".join(f"{nm:g} nm at {f_Hz:g} Hz" for f_Hz, nm in PAPER_NM.items())
-    return table(header, rows) + f"\nsensor: {noise_nm:.2f} nm rms; the paper's own stage, by its inverse: {paper}"
-
-
 VERBS = {
     "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware, {"output": Output("-o", folder=True)}),
     "image": Verb(IMAGE_HELP, image_arguments, run_image, {"output": Output("-o")}),
-    "track": Verb(TRACK_HELP, track_arguments, run_track),
 }

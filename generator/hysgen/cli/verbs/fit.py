@@ -14,7 +14,7 @@ from hysgen.cli.verbs import Verb
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.operator import MOST_PLAYS, RELAXING
-from hysgen.model.file import model_to_json, save_model
+from hysgen.model.file import save_model
 from hysgen.model.model import MOST_RULES
 from hysgen.model.scores import score_identification
 from hysgen.record import check_for_fit
@@ -137,7 +137,7 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
     console.say()
     console.say("\n".join(certify(model).lines()))
     console.say(f"\nwritten: {arguments.output} ({settings.rules} rules, {parameters} parameters)")
-    return console.finish(model_to_json(model))
+    return console.finish(model.to_json())
 
 
 def c_name(path: str) -> str:

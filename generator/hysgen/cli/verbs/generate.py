@@ -7,14 +7,8 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from hysgen.c674x.cost import Cost, cost
-from hysgen.c674x.cost.budget_file import FigureChange, changes, read, update
-from hysgen.c674x.cost.formulas import formula_lines, kernel_formulas
-from hysgen.c674x.footprint import footprint
-from hysgen.c674x.schedule.folder import kernels, with_kernels
-from hysgen.c674x.schedule.limits import kernel_costs, kernel_table
-from hysgen.c674x.schedule.ti import with_ti_assembly
-from hysgen.c674x.toolchain import version
+from hysgen.checking.budget_file import FigureChange, changes, read, update
+from hysgen.checking.cost import Cost, cost
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
@@ -22,11 +16,12 @@ from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.freshness import stale
 from hysgen.codegen.manifest import read_folder
-from hysgen.codegen.operations.cycles import CLOCK_HZ
+from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
+from hysgen.targets import Target, TargetCost, named, target, targets
 
 GENERATE_HELP = """\
 Generate the C of a model: header, source, parameters, self-test, manifest; with --learn, the learner too.
@@ -48,30 +43,38 @@ def generate_arguments(parser: argparse.ArgumentParser) -> None:
     add_kernels(parser)
     parser.add_argument(
         "--assembler",
-        choices=("gnu", "ti"),
-        default="gnu",
+        choices=list(dict.fromkeys(syntax for item in targets().values() for syntax in assemblers(item))),
         help="with --kernels; ti: also write NAME_c674x.asm, the same instructions in the syntax of TI's assembler",
     )
     parser.add_argument("--check", action="store_true", help="only say whether the files in DIR are up to date")
     add_learner_options(parser)
 
 
+def assemblers(item: Target) -> tuple[str, ...]:
+    """Syntaxes of the file of a target's kernels, () without kernels."""
+    return item.kernels.assemblers if item.kernels else ()
+
+
 def add_kernels(parser: argparse.ArgumentParser) -> None:
     """The processor whose scheduled kernels take the place of functions."""
     parser.add_argument(
         "--kernels",
-        choices=("c674x",),
+        type=lambda name: target(name, "kernels"),
+        metavar="{" + ",".join(named("kernels")) + "}",
         help="also write NAME_c674x.s: the functions scheduled for this processor, equal to the C in every bit",
     )
 
 
-def scheduled(name: str, texts: Mapping[str, str], console: Console, ti: bool = False) -> dict[str, str]:
-    """The generated `texts` with the kernels, ti: in TI's syntax, too; warns of each function that stays in C."""
-    found = kernels(name, texts)
-    for function, reason in found.refused.items():
+def scheduled(
+    item: Target, name: str, texts: Mapping[str, str], console: Console, assembler: str = ""
+) -> dict[str, str]:
+    """The generated `texts` with the target's kernels; warns of each function that stays in C."""
+    if item.kernels is None:
+        raise HysgenError(f"{item.name}: has no kernels")
+    texts, refused = item.kernels.schedule(name, texts, assembler or item.kernels.assemblers[0])
+    for function, reason in refused.items():
         console.warn(f"{function} stays in C: {reason}")
-    texts = with_kernels(name, texts, found)
-    return with_ti_assembly(name, texts) if ti else texts
+    return texts
 
 
 def add_code_options(parser: argparse.ArgumentParser) -> None:
@@ -114,11 +117,14 @@ def code_options(arguments: argparse.Namespace) -> Options:
 
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
-    if arguments.assembler == "ti" and not arguments.kernels:
-        raise HysgenError("--assembler ti is the syntax of the kernels' file; add --kernels c674x")
+    if arguments.assembler and not arguments.kernels:
+        known = " or ".join(named("kernels"))
+        raise HysgenError(
+            f"--assembler {arguments.assembler} is the syntax of the kernels' file; add --kernels {known}"
+        )
     texts = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
     if arguments.kernels:
-        texts = scheduled(model.name, texts, console, arguments.assembler == "ti")
+        texts = scheduled(arguments.kernels, model.name, texts, console, arguments.assembler)
     folder = Path(arguments.output)
     if arguments.check:
         return check(texts, folder, console)
@@ -153,54 +159,63 @@ def check(texts: Mapping[str, str], folder: Path, console: Console) -> int:
 
 def cost_arguments(parser: argparse.ArgumentParser) -> None:
     add_folder(parser)
-    parser.add_argument("--target", choices=("c674x",), help="count cycles on the target's instruction set")
+    parser.add_argument(
+        "--target",
+        type=lambda name: target(name, "weights"),
+        metavar="{" + ",".join(named("weights")) + "}",
+        help="count cycles on the target's instruction set",
+    )
     parser.add_argument("--budget", metavar="FILE", help="with --target: what each function may cost there")
     parser.add_argument("--update-budget", action="store_true", help="write the figures into that file instead")
 
 
 def run_cost(arguments: argparse.Namespace, console: Console) -> int:
-    if (arguments.budget and not arguments.target) or (arguments.update_budget and not arguments.budget):
+    item: Target | None = arguments.target
+    if (arguments.budget and not item) or (arguments.update_budget and not arguments.budget):
         raise HysgenError("--budget FILE belongs to --target c674x, --update-budget to --budget; add what is missing")
     folder = Path(arguments.folder)
     generated = read_folder(folder)
-    taken = footprint(generated.model.name, generated.texts) if arguments.target else {}
-    price = cost(folder, {name: figures["cycles"] for name, figures in taken.items() if "cycles" in figures})
-    console.say(cost_text(price))
-    if taken:
-        console.say(footprint_text(taken))
-    answer = price.to_json() | ({"target": taken} if taken else {})
-    scheduled = kernel_costs(generated.model.name, generated.texts) if arguments.target else []
-    if scheduled:
-        console.say(kernel_table(scheduled))
-        console.say("\n".join(formula_lines("the kernels", kernel_formulas(generated.model))))
-        answer["kernels"] = [each.to_json() for each in scheduled]
+    model, name = generated.model, generated.model.name
+    measured = item.cost(model, generated.texts) if item and item.cost else None
+    cycles = (
+        {function: row["cycles"] for function, row in measured.figures.items() if "cycles" in row} if measured else {}
+    )
+    price = cost(folder, cycles, weights=item.weights if item and item.weights else C674X)
+    console.say(cost_text(price, model))
+    answer = price.to_json()
     different: list[FigureChange] = []
-    if arguments.update_budget:
-        update(Path(arguments.budget), generated.model.name, taken, version())
-        console.say(f"written: {arguments.budget}")
-    elif arguments.budget:
-        different = changes(generated.model.name, read(Path(arguments.budget), generated.model.name), taken)
-        console.say("\n".join(str(change) for change in different) or f"within the budget of {arguments.budget}")
-        answer["budget_changes"] = [dataclasses.asdict(change) | {"exceeds": change.exceeds} for change in different]
+    if measured:
+        console.say("\n".join([footprint_text(price.processor, measured), *measured.notes]))
+        answer |= {"target": measured.figures, **measured.further}
+        if arguments.update_budget:
+            update(Path(arguments.budget), name, measured.figures, measured.compiler)
+            console.say(f"written: {arguments.budget}")
+        elif arguments.budget:
+            different = changes(name, read(Path(arguments.budget), name), measured.figures)
+            console.say("\n".join(map(str, different)) or f"within the budget of {arguments.budget}")
+            answer["budget_changes"] = [
+                dataclasses.asdict(change) | {"exceeds": change.exceeds} for change in different
+            ]
     return console.finish(answer, not any(change.exceeds for change in different))
 
 
-def footprint_text(taken: Mapping[str, Mapping[str, int]]) -> str:
+def footprint_text(processor: str, measured: TargetCost) -> str:
     """Cycles, code and stack by function on the target, and the bytes of data."""
     columns = ("cycles", "code_bytes", "stack_bytes")
     rows = [
         [name, *(f"{figures[column]}" if column in figures else "-" for column in columns)]
-        for name, figures in taken.items()
+        for name, figures in measured.figures.items()
         if name != "data"
     ]
-    data = taken["data"]
+    data = measured.figures["data"]
     below = f"data: {data['struct_bytes']} bytes of structs, {data['constant_bytes']} of constants"
-    return "\n".join(["", table(["on the C674x", "cycles", "code bytes", "stack bytes"], rows), below])
+    return "\n".join(["", table([f"on the {processor}", "cycles", "code bytes", "stack bytes"], rows), below])
 
 
-def cost_text(price: Cost) -> str:
-    """A table with one row per function, and notes on its columns."""
-    return "\n".join([table(price.header(), price.rows()), *price.notes()])
+def cost_text(price: Cost, model: Model) -> str:
+    """A table with one row per function, notes on its columns, and the estimates of the installed targets."""
+    further = [line for item in targets().values() if item.estimates for line in item.estimates(model)]
+    return "\n".join([table(price.header(), price.rows()), *price.notes(), *further])
 
 
 VERBS = {

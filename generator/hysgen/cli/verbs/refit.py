@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-from hysgen.c674x.schedule.ti import ti_file
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.cli.console import Console
@@ -30,6 +29,7 @@ from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record
 from hysgen.report.words import price_of, verdict
+from hysgen.targets import with_kernels_in
 
 REFIT_HELP = """\
 Identify a model again from a new record: same structure, new numbers.
@@ -137,7 +137,8 @@ def texts_as_before(model: Model, folder: Path, console: Console) -> dict[str, s
     model, options = as_before(model, folder)
     texts = generate(model, options)
     if options.aligned:
-        texts = scheduled(model.name, texts, console, ti_file(model.name) in read_folder(folder).texts)
+        item, assembler = with_kernels_in(model.name, read_folder(folder).texts)
+        texts = scheduled(item, model.name, texts, console, assembler)
     return texts
 
 

@@ -5,21 +5,19 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.c674x.cost import cost_of_texts
-from hysgen.c674x.equality import verify_on_target
 from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
 from hysgen.checking.bits.inputs import LEARNING_SHARE
+from hysgen.checking.cost import cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
-from hysgen.checking.proof.emulated.contraction import contraction, contraction_rows
-from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
-from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
+from hysgen.checking.proof.emulated.platforms import PLATFORMS
 from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb
 from hysgen.codegen.manifest import read_folder
-from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.machine.files import write_whole
+from hysgen.targets import Extent, named, target, targets
+from hysgen.targets.emulated import SAMPLES as EMULATED_SAMPLES
 
 VERIFY_HELP = """\
 Prove that generated C equals its NumPy reference, bit for bit.
@@ -38,7 +36,6 @@ the box again. docs/proof.md says what is assumed.
 """
 
 TARGET_SAMPLES = 4000
-EMULATED_SAMPLES = 20_000
 
 
 def verify_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,9 +66,9 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--report", metavar="FILE.html", help="write the result as one page that needs no other file")
     parser.add_argument(
         "--target",
-        choices=("c674x", "emulated"),
-        help="c674x: run the C as its compiler makes it on the instruction-set simulator instead; emulated: on other "
-        "processors under qemu, every one whose compiler is installed",
+        type=lambda name: target(name, "verify"),
+        metavar="{" + ",".join(named("verify")) + "}",
+        help="; ".join(f"{name}: {targets()[name].about}" for name in named("verify")),
     )
     parser.add_argument(
         "--machine",
@@ -88,12 +85,16 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_verify(arguments: argparse.Namespace, console: Console) -> int:
-    if arguments.updates is not None and arguments.target != "c674x":
-        raise HysgenError("--updates belongs to --target c674x; add it")
-    if arguments.target == "emulated":
-        return run_fused(arguments, console) if arguments.fused else run_emulated(arguments, console)
-    if arguments.machine or arguments.fused:
-        raise HysgenError("--machine and --fused: they belong to --target emulated; add it")
+    given = {
+        "updates": arguments.updates is not None,
+        "machines": bool(arguments.machine),
+        "fused": arguments.fused,
+    }
+    for option in (name for name, used in given.items() if used):
+        if arguments.target is None or option not in arguments.target.verify_options:
+            owners = [name for name in named("verify") if option in targets()[name].verify_options]
+            flag = f"--{option.removesuffix('s') if option == 'machines' else option}"
+            raise HysgenError(f"{flag} belongs to --target {' or '.join(owners) or 'NAME'}; add it")
     if arguments.target:
         return run_on_target(arguments, console)
     settings = VerifySettings(
@@ -114,50 +115,14 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
-    """Compare the bits of the simulated C674x with those of the host."""
+    """Compare the bits of the C on the target with those here."""
     generated = read_folder(Path(arguments.folder))
-    samples = TARGET_SAMPLES if arguments.samples is None else arguments.samples
-    report = verify_on_target(
-        generated.model, generated.texts, samples, arguments.seed, console.progress, arguments.updates
+    extent = Extent(
+        arguments.samples, arguments.seed, arguments.updates, tuple(arguments.machine or ()), arguments.fused
     )
-    console.say("\n".join([table(report.header(), report.rows()), *report.notes()]))
-    return console.finish(report.to_json(), report.equal)
-
-
-def run_emulated(arguments: argparse.Namespace, console: Console) -> int:
-    """Compare the bits of emulated processors with those of the reference."""
-    generated = read_folder(Path(arguments.folder))
-    settings = EmulationSettings(
-        samples=EMULATED_SAMPLES if arguments.samples is None else arguments.samples,
-        platforms=chosen(arguments.machine),
-        seed=arguments.seed,
-    )
-    report = equality(generated.model, generated.texts, settings, console.progress)
+    report = arguments.target.verify(generated.model, generated.texts, extent, console.progress)
     console.say("\n".join(report.lines()))
     return console.finish(report.to_json(), report.equal)
-
-
-def run_fused(arguments: argparse.Namespace, console: Console) -> int:
-    """Count the bits that fused multiply-add changes, with the guard of the generated C and without it."""
-    generated = read_folder(Path(arguments.folder))
-    results = contraction(
-        generated.model,
-        generated.texts,
-        samples=EMULATED_SAMPLES if arguments.samples is None else arguments.samples,
-        platforms=chosen(arguments.machine),
-        progress=console.progress,
-    )
-    header, rows = contraction_rows(results)
-    console.say(table(header, rows, left=3))
-    return console.finish(
-        {"fused": [row.to_json() for row in results]},
-        bool(results) and all(row.differing == 0 and row.selftest == 0 for row in results if row.guarded),
-    )
-
-
-def chosen(names: list[str] | None) -> list[Platform]:
-    """The platforms of these names; all of them if `names` is None."""
-    return [platform for platform in PLATFORMS if names is None or platform.name in names]
 
 
 def prove_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,11 +5,11 @@
     cycles = 60 + 0.8 (+-, *, loads, stores)             for a call of commit, of learn_init
 
 Over 94 routines (predict, simulate and inverse of 32 structures, 2 to 50 rules, with and without terms and input
-blocks, compiled as in hysgen.c674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
+blocks, compiled for the C674x) the cycles of the compiled code were 0.74 to 1.23 times the first estimate. The
 constant is the latency of exponential, sums and reciprocal in sequence; a branch costs its jump and the overlap of
 operations that it prevents. The loops of learner and commit are unrolled on the target: indices and branches cost
 nothing there.
-tests/c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
+tests/hysgen_c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 
 from __future__ import annotations
@@ -31,9 +31,26 @@ STEPS: Final = ("predict", "simulate", "inverse")
 EVERY_SAMPLE: Final = ("learn", "commit")
 """Functions that a controller calls in every sample besides."""
 
-_LATENCY, _PER_OPERATION, _PER_BRANCH = 60.0, 0.75, 20.0
-_UNROLLED: Final = {"learn": (400.0, 0.92), "commit": (60.0, 0.8), "learn_init": (60.0, 0.8)}
-"""Constant and cycles per operation of the functions whose loops the compiler of the target unrolls."""
+
+@dataclass(frozen=True)
+class Weights:
+    """Cycles of a call on a processor: latency + per_operation * operations + per_branch * branches.
+
+    processor: its name in tables. unrolled: constant, and cycles of a float operation, a load or a store, of the
+    functions whose loops the compiler unrolls.
+    """
+
+    processor: str
+    latency: float
+    per_operation: float
+    per_branch: float
+    unrolled: Mapping[str, tuple[float, float]]
+
+
+C674X: Final = Weights(
+    "C674x", 60.0, 0.75, 20.0, {"learn": (400.0, 0.92), "commit": (60.0, 0.8), "learn_init": (60.0, 0.8)}
+)
+"""The estimates above."""
 
 
 @dataclass(frozen=True)
@@ -47,20 +64,23 @@ class Cycles:
         return f"{self.value} cycles" if self.measured else f"about {self.value} cycles (estimate)"
 
 
-def estimated(counts: Counts, function: str = "predict") -> Cycles:
-    """The estimate above for a call of `function`, named without the model's prefix."""
-    if function in _UNROLLED:
-        fixed, each = _UNROLLED[function]
+def estimated(counts: Counts, function: str = "predict", weights: Weights = C674X) -> Cycles:
+    """The estimate for a call of `function`, named without the model's prefix."""
+    if function in weights.unrolled:
+        fixed, each = weights.unrolled[function]
         return Cycles(round(fixed + each * (counts.add + counts.multiply + counts.load + counts.store)), measured=False)
     straight = counts.total - counts.branch
-    return Cycles(round(_LATENCY + _PER_OPERATION * straight + _PER_BRANCH * counts.branch), measured=False)
+    cycles = weights.latency + weights.per_operation * straight + weights.per_branch * counts.branch
+    return Cycles(round(cycles), measured=False)
 
 
-def cycles_of(operations: Mapping[str, Counts], measured: Mapping[str, int] | None = None) -> dict[str, Cycles]:
+def cycles_of(
+    operations: Mapping[str, Counts], measured: Mapping[str, int] | None = None, weights: Weights = C674X
+) -> dict[str, Cycles]:
     """Cycles by public function, named without the model's prefix: from `measured` if listed, else estimated."""
     known = measured or {}
     return {
-        name: Cycles(known[name], measured=True) if name in known else estimated(counts, name)
+        name: Cycles(known[name], measured=True) if name in known else estimated(counts, name, weights)
         for name, counts in operations.items()
     }
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from hysgen.c674x.cost import Cost
 from hysgen.certify.dynamics import dynamics
+from hysgen.checking.cost import Cost
 from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
 from hysgen.model.model import Model

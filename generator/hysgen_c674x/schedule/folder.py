@@ -1,0 +1,187 @@
+"""Generated folders with kernels: `<name>_c674x.s`, and in `<name>.c` the choice between the kernels and the C.
+
+The kernels are read out of the portable C, so there is one description of every function. In the C, each function that
+has a kernel is left out where the kernels are used:
+
+    #if defined(_TMS320C6X) && !defined(<NAME>_PORTABLE)      the kernels
+    otherwise                                                  the C, on every processor
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from hysgen.checking.symbolic.from_c import kernel
+from hysgen.checking.symbolic.source import KernelRefusalError, Source
+from hysgen.codegen.manifest import CMAKE, MANIFEST
+from hysgen.errors import TargetError
+from hysgen.machine.files import digest
+from hysgen_c674x.schedule.emit import code_bytes, file_text
+from hysgen_c674x.schedule.placement import OutOfRegistersError, Schedule
+from hysgen_c674x.schedule.plans import shortest
+
+FUNCTIONS: Final = (
+    "predict",
+    "simulate",
+    "inverse",
+    "snapshot",
+    "learn",
+    "evaluate_reading",
+    "project",
+    "update_diagonal",
+    "factor",
+    "step",
+    "restart",
+    "store_regressors",
+)
+"""Functions that become kernels if they can, without the model's prefix."""
+
+PARTS_OF_LEARN: Final = FUNCTIONS[FUNCTIONS.index("learn") + 1 :]
+"""Functions that only learn calls in a sample; they stay in C if learn is a kernel."""
+
+LARGEST_TOGETHER: Final = 28 * 1024
+"""Bytes of the kernels of inverse and learn, which run in every sample, of 32 KiB of program cache (SPRUFK5)."""
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """Schedules by function, named with the model's prefix; refused: why a function stays in C."""
+
+    schedules: Mapping[str, Schedule]
+    tables: Mapping[str, tuple[int, ...]]
+    refused: Mapping[str, str]
+
+
+def kernels(name: str, texts: Mapping[str, str], functions: Sequence[str] = FUNCTIONS) -> Kernels:
+    """Schedules of the functions of model `name` in the portable C `texts`."""
+    source = Source(name, texts)
+    schedules: dict[str, Schedule] = {}
+    tables: dict[str, Mapping[str, tuple[int, ...]]] = {}
+    refused: dict[str, str] = {}
+    for short in functions:
+        function = f"{name}_{short}"
+        if function not in source.functions or (short in PARTS_OF_LEARN and f"{name}_learn" in schedules):
+            continue
+        try:
+            dataflow = kernel(source, function)
+            schedules[function] = shortest(dataflow)
+            tables[function] = dataflow.tables
+        except (KernelRefusalError, OutOfRegistersError) as refusal:
+            refused[function] = str(refusal)
+    inverse, learn = f"{name}_inverse", f"{name}_learn"
+    if {inverse, learn} <= set(schedules):
+        together = code_bytes(schedules[inverse]) + code_bytes(schedules[learn])
+        if together > LARGEST_TOGETHER:
+            refused[inverse] = f"with learn {together} bytes of code, too many for the program cache"
+            del schedules[inverse]
+    used = {symbol: words for function in schedules for symbol, words in tables[function].items()}
+    return Kernels(schedules, used, refused)
+
+
+def assembly_file(name: str) -> str:
+    """Name of the file of the kernels."""
+    return f"{name}_c674x.s"
+
+
+def with_kernels(name: str, texts: Mapping[str, str], found: Kernels) -> dict[str, str]:
+    """The generated folder `texts` with the file of the kernels; its manifest lists them with their cycles.
+
+    Raises TargetError if the learner in `texts` is not aligned (`Options.aligned`).
+    """
+    if f"}} {name}_learner_t;" in texts[f"{name}.h"]:
+        raise TargetError(
+            f"{name}.h: kernels load 64 bits of the learner at a time; generate with Options(aligned=True)"
+        )
+    source = texts[f"{name}.c"]
+    for function in found.schedules:
+        source = _left_out(name, source, function)
+    changed = dict(texts) | {
+        f"{name}.c": _choice(name, source),
+        assembly_file(name): file_text(_header(name, found), found.schedules, found.tables),
+        CMAKE: _with_assembly(name, texts[CMAKE]),
+    }
+    facts = json.loads(texts[MANIFEST])
+    for file in (f"{name}.c", assembly_file(name), CMAKE):
+        facts["files"][file] = digest(changed[file].encode())
+    facts["files"] = dict(sorted(facts["files"].items()))
+    facts["kernels"] = {
+        "cycles": {function.removeprefix(f"{name}_"): each.cycles for function, each in found.schedules.items()},
+        "in_c": {function.removeprefix(f"{name}_"): reason for function, reason in found.refused.items()},
+    }
+    return changed | {MANIFEST: json.dumps(facts, indent=2, ensure_ascii=False, allow_nan=False) + "\n"}
+
+
+def _choice(name: str, source: str) -> str:
+    """The C with the definition of the macro behind its #include."""
+    upper = name.upper()
+    include = f'#include "{name}.h"\n'
+    lines = [
+        include,
+        f"/* On the C674x the functions inside #ifndef {upper}_KERNELS stand in {assembly_file(name)}, scheduled for",
+        f" * this processor and equal in every bit; with {upper}_PORTABLE defined they are compiled here. */",
+        f"#if defined(_TMS320C6X) && !defined({upper}_PORTABLE)",
+        f"#define {upper}_KERNELS",
+        "#if defined(__GNUC__)",
+        '#pragma GCC diagnostic ignored "-Wunused-function"',
+        "#endif",
+        "#endif",
+    ]
+    if source.count(include) != 1:
+        raise TargetError(f"{name}.c: {include.strip()} is expected once")
+    return source.replace(include, "\n".join(lines) + "\n")
+
+
+def _with_assembly(name: str, project: str) -> str:
+    """CMakeLists.txt with the file of the kernels in the library, under the same condition as in the C."""
+    upper = name.upper()
+    example = "\nif(CMAKE_SOURCE_DIR STREQUAL CMAKE_CURRENT_SOURCE_DIR)\n    add_executable("
+    lines = [
+        "",
+        f"# The kernels, on the C674x only and without {upper}_PORTABLE, as in the C; this compiler has no -fPIC.",
+        "include(CheckCSourceCompiles)",
+        "set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)",
+        "check_c_source_compiles(",
+        f'    "#if !defined(_TMS320C6X) || defined({upper}_PORTABLE)\\n#error\\n#endif\\nint x;" {upper}_KERNELS)',
+        f"if({upper}_KERNELS)",
+        "    enable_language(ASM)",
+        f"    target_sources({name} PRIVATE {assembly_file(name)})",
+        f"    set_target_properties({name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)",
+        "endif()",
+    ]
+    if project.count(example) != 1:
+        raise TargetError(f"{CMAKE}: the example is expected once")
+    return project.replace(example, "\n".join(lines) + "\n" + example)
+
+
+def _left_out(name: str, source: str, function: str) -> str:
+    """The C with one function inside #ifndef; a static function is declared as an external one instead."""
+    upper = name.upper()
+    start = rf"^(?:{upper}_CODE\n(?P<static>static )?|{upper}_INLINE )"
+    head_and_body = rf"(?P<head>[^;{{}}#]*?\b{function}\([^;{{}}]*?\))\n\{{.*?^\}}\n"
+    pattern = re.compile(start + head_and_body, re.MULTILINE | re.DOTALL)
+    found = list(pattern.finditer(source))
+    if len(found) != 1:
+        raise TargetError(f"{name}.c: the definition of {function} is expected once, found {len(found)} times")
+    (match,) = found
+    local = match["static"] or match[0].startswith(f"{upper}_INLINE")
+    head = re.sub(rf"{upper}_ALONE ", "", match["head"])
+    instead = f"#ifdef {upper}_KERNELS\nextern {head};\n#else\n" if local else f"#ifndef {upper}_KERNELS\n"
+    return source[: match.start()] + instead + match[0] + "#endif\n" + source[match.end() :]
+
+
+def _header(name: str, found: Kernels) -> str:
+    rows = [f"; {function:<40} {each.cycles:>5} cycles" for function, each in found.schedules.items()]
+    return "\n".join(
+        [
+            f"; {assembly_file(name)}: functions of {name}.c scheduled for the C674x, equal in every bit.",
+            "; Interrupts may occur at every packet. Registers that a callee preserves are saved on the stack.",
+            "; Stall-free cycles of a call, until the return takes effect:",
+            *rows,
+            "",
+            "",
+        ]
+    )

@@ -1,0 +1,1 @@
+"""The laboratory: virtual stages, banks of hidden effects, the paper's experiments, endurance, tracking."""

@@ -1,0 +1,11 @@
+"""`python -m hysgen_lab VERB ...`: the studies on the virtual stage."""
+
+from __future__ import annotations
+
+import sys
+
+from hysgen.cli import main
+from hysgen_lab.verbs import LABORATORY
+
+if __name__ == "__main__":
+    sys.exit(main(program=LABORATORY))

@@ -1,0 +1,1 @@
+"""The firmware on the virtual stage, and the models that it ships with."""

@@ -1,0 +1,1 @@
+"""Studies over many records: the bank of hidden effects, the experiments of the paper, endurance of the learner."""

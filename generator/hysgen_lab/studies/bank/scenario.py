@@ -1,0 +1,139 @@
+"""A scenario of the bank: a stage with hidden effects, its command, and the causes that a diagnosis should name.
+
+Strengths, rates, ranges, noise and hysteresis are drawn from the seed. No value comes from the analysis.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.record import Record
+from hysgen_lab.stage import Measurement, NoiseEffect, Stage, effects, run
+from hysgen_lab.stage.effects import UNKNOWN, Effect, Setting
+from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
+from hysgen_lab.studies.bank.excitation import POOR, good, poor, random_levels
+
+Floats = NDArray[np.float64]
+
+ACCEPTED = ("constant", "saturation")
+"""Findings for which a record is refused, accepted here: a drawn stage may rest, or ring beyond its converter."""
+
+DRAWN: Mapping[str, type[Effect]] = {
+    kind.cause(): kind
+    for kind in sorted((k for k in effects().values() if k.bank_index is not None), key=lambda k: k.bank_index or 0)
+}
+"""Effects that the bank draws, by the cause to be named, in the order of their numbers."""
+
+EFFECTS = tuple(name for name in DRAWN if name != UNKNOWN)
+NUMBERS = {name: kind.bank_index or 0 for name, kind in DRAWN.items()} | {
+    "pair": 10,
+    Hysteresis.name: 11,
+    "none": 12,
+    "poor": 14,
+}
+"""Number of each category; it seeds the category's scenarios and never changes."""
+
+CATEGORIES = tuple(sorted(NUMBERS, key=lambda name: NUMBERS[name]))
+OWN = ""
+"""In place of a family's name: the bank's own stage, whose parts are those of the diagnosis' chain."""
+
+RATES_HZ = (200.0, 1000.0, 5000.0, 10e3, 50e3)
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A stage, its command u_V, (n,), and further channels, each (n,); category: one of CATEGORIES.
+
+    family: of hysteresis, "" for those of the bank's own stage. past: first rows of the arrays that the record lacks.
+    """
+
+    category: str
+    seed: int
+    stage: Stage
+    u_V: Floats
+    Ts_s: float
+    aux: Mapping[str, Floats]
+    excitation: str
+    family: str = OWN
+
+    past: ClassVar[int] = 0
+
+    def measure(self) -> Measurement:
+        """The measurement of the stage over all rows."""
+        return run(self.stage, self.u_V, self.Ts_s, self.seed, self.aux)
+
+    def record(self, measured: Measurement) -> Record:
+        """The record of a measurement of this stage, or of one without some of its effects."""
+        return Record.from_arrays(self.u_V, measured.displacement_um, self.Ts_s, self.aux, accept=ACCEPTED)
+
+    @property
+    def allowed(self) -> tuple[str, ...]:
+        """Causes that may be named although no effect plants them."""
+        return ()
+
+    @property
+    def planted(self) -> tuple[str, ...]:
+        """The causes that a diagnosis should name: those of the stage's active effects."""
+        return tuple(effects()[name].cause() for name in self.stage.active)
+
+
+def hidden_causes(rng: np.random.Generator, category: str) -> tuple[str, ...]:
+    """The causes of the vocabulary, beside memory, whose effects a scenario of the category draws."""
+    if category in EFFECTS:
+        return (category,)
+    if category == "pair":
+        return tuple(str(name) for name in rng.choice(EFFECTS, 2, replace=False))
+    return (str(rng.choice(EFFECTS)),) if category == "poor" else ()
+
+
+def scenario(category: str, seed: int) -> Scenario:
+    """The scenario of a category and a seed; the same arguments give the same scenario."""
+    rng = np.random.default_rng([seed, NUMBERS[category]])
+    Ts_s = 1.0 / float(rng.choice(RATES_HZ))
+    samples = int(rng.uniform(6000, 9000))
+    low_V, high_V = float(rng.uniform(-18.0, 10.0)), float(rng.uniform(70.0, 118.0))
+    excitation = "good" if category != "poor" else str(rng.choice(POOR))
+    u_V = good(rng, samples, low_V, high_V) if excitation == "good" else poor(excitation, rng, samples, low_V, high_V)
+    stroke_um = float(np.exp(rng.uniform(np.log(2.0), np.log(80.0))))
+    span_um = stroke_um * (high_V - low_V) / 120.0
+    # A converter resolves 16 bits of its range, whatever the stage; noise is 2e-5 to 5e-4 of the stroke.
+    stage = Stage(
+        stroke_um=stroke_um,
+        lag_s=Ts_s * float(np.exp(rng.uniform(np.log(2.0), np.log(40.0)))),
+        sensor_step_um=0.0,
+        adc_low_um=-0.8 * stroke_um,
+        adc_high_um=2.0 * stroke_um,
+        memory=_hysteresis(rng, category, stroke_um),
+        noise=NoiseEffect(stroke_um * float(np.exp(rng.uniform(np.log(2e-5), np.log(5e-4))))),
+    )
+    names = hidden_causes(rng, category)
+    if category == UNKNOWN:
+        stage = _planted(stage, DRAWN[category], rng, Setting(u_V, Ts_s, span_um))
+    kinds = [DRAWN[name] for name in names]
+    aux: dict[str, Floats] = {}
+    if rng.random() < 0.3 or any(kind.needs_channel for kind in kinds):
+        aux["axis2_V"] = random_levels(rng, samples, 0.0, 100.0)
+    for kind in kinds:
+        share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
+        stage = _planted(stage, kind, rng, Setting(u_V, Ts_s, span_um, share, tuple(aux)))
+    return Scenario(category, seed, stage, u_V, Ts_s, aux, excitation)
+
+
+def _planted(stage: Stage, kind: type[Effect], rng: np.random.Generator, setting: Setting) -> Stage:
+    return stage.with_effects(**{kind.name: kind.draw(rng, setting)})
+
+
+def memory_only(hidden: Scenario) -> Scenario:
+    """The same stage, driven the same way, with no effect but its hysteresis."""
+    return dataclasses.replace(hidden, category=Hysteresis.name, stage=dataclasses.replace(hidden.stage, others=()))
+
+
+def _hysteresis(rng: np.random.Generator, category: str, stroke_um: float) -> Hysteresis:
+    kind = rng.random()
+    return draw_curve(rng, stroke_um) if category == "none" else draw_hysteresis(rng, stroke_um, kind)

@@ -1,0 +1,42 @@
+"""The error of the extended model with the truth known: a bound for the error after a diagnosis.
+
+The shape parameters of the extensions are those of the plant, and the plant is run without the effects that extensions
+only take out of a record. The fit finds the linear parameters.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from hysgen.diagnosis.causes import Known, causes
+from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.trial import Extension, free_run_error, prepare
+from hysgen_lab.studies.bank.scenario import Scenario
+
+
+def error_with_truth_known(hidden: Scenario) -> float:
+    """Free-run rms in um on the held-out rows of the model with every planted cause extended by the plant's numbers."""
+    treated = [name for name, extension in _extensions(hidden).items() if extension is None]
+    clean = dataclasses.replace(hidden, stage=hidden.stage.with_effects(**dict.fromkeys(treated)))
+    prepared = prepare(clean.record(clean.measure()))
+    extensions = true_extensions(hidden)
+    return rms(free_run_error(prepared, extensions, list(extensions))[prepared.held_rows])
+
+
+def true_extensions(hidden: Scenario) -> dict[str, Extension]:
+    """The extension of every planted cause that acts on the model, with the parameters of the plant."""
+    return {name: extension for name, extension in _extensions(hidden).items() if extension is not None}
+
+
+def _extensions(hidden: Scenario) -> dict[str, Extension | None]:
+    """The extension of every planted cause; None where the diagnosis treats the record instead of the model."""
+    parameters: dict[str, float] = {}
+    low_V, high_V = float(hidden.u_V.min()), float(hidden.u_V.max())
+    for effect in hidden.stage.effects:
+        parameters |= effect.true_parameters()
+        low_V, high_V = effect.passes_V(low_V, high_V)
+    channels = {name: np.asarray(hidden.aux[name]) for name in hidden.stage.channels}
+    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), hidden.stage.lag_s, channels)
+    return {name: cause.true_extension(known) for name, cause in causes().items() if name in hidden.planted}

@@ -1,0 +1,111 @@
+"""The compiled learner of a model inside the endurance driver, which feeds it and records extremes of its factors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.codegen import Options, generate
+from hysgen.codegen.interface import interface_of
+from hysgen.codegen.manifest import c_files
+from hysgen.codegen.render import render
+from hysgen.float32.coefficients import coefficients
+from hysgen.float32.learner_numbers import learned_model, learner_numbers
+from hysgen.machine.native import Library, Toolchain, build
+from hysgen.model.model import Model
+from hysgen_lab.studies.endurance.excitations import Excitation
+
+Floats = NDArray[np.float64]
+Floats32 = NDArray[np.float32]
+
+FASTEST_CLOCK_HZ: Final = 3e9
+"""A clock at which every learner fits into its sample period: the host has no cycle budget."""
+
+CHECK_EVERY: Final = 64
+"""Samples between two checks of the factors."""
+CHUNK: Final = 1 << 20
+
+_DECLARATIONS = """
+typedef struct {{
+    const float *y_um; const float *u_V; uint64_t period; float noise_um; float noise_V;
+    uint64_t burst_every; uint64_t burst_length; uint64_t spike_every;
+}} endurance_excitation_t;
+typedef struct {{
+    uint64_t samples; uint64_t random_state; uint64_t broken_at;
+    float least_d; float largest_d; float largest_u; float largest_theta;
+}} endurance_extremes_t;
+void hysgen_endurance_run({name}_learner_t *learner, const endurance_excitation_t *excitation,
+    endurance_extremes_t *extremes, uint64_t samples, uint64_t check_every);
+"""
+
+
+class CompiledLearner:
+    """The compiled learner of `model` with the endurance driver of templates/endurance.c.j2.
+
+    instance, learner: the generated structs. extremes: the driver's record of the factors. numbers: its bounds.
+    Raises ModelError or CertificateError if no learner can be generated, BuildError if the compiler rejects the C.
+    """
+
+    def __init__(self, model: Model, toolchain: Toolchain | None = None) -> None:
+        self.model = model
+        texts = generate(model, Options(clock_Hz=FASTEST_CLOCK_HZ))
+        code = list(c_files(texts).items())
+        facts = {"name": model.name, "NAME": model.name.upper()}
+        driver = ("endurance.c", render("endurance.c.j2", facts))
+        declared = interface_of(model.name, texts).declarations() + _DECLARATIONS.format(name=model.name)
+        self._library: Library = build([*code, driver], declared, toolchain)
+        self.numbers = learner_numbers(model, coefficients(model))
+        ffi = self._library.ffi
+        self.instance: Any = ffi.new(f"{model.name}_t *")
+        self.learner: Any = ffi.new(f"{model.name}_learner_t *")
+        self.extremes: Any = ffi.new("endurance_extremes_t *")
+
+    def start(self, y_um: float, u_V: float) -> None:
+        """Initialise instance and learner at rest at y_um under u_V, and the extremes."""
+        self._function("init")(self.instance, y_um, u_V)
+        self._function("learn_init")(self.learner, self.instance)
+        self.extremes.samples, self.extremes.broken_at, self.extremes.random_state = 0, 0, 88172645463325252
+        self.extremes.least_d = np.inf
+        self.extremes.largest_d = self.extremes.largest_u = self.extremes.largest_theta = 0.0
+
+    def feed(self, excitation: Excitation, samples: int, progress: Callable[[int], None] | None = None) -> None:
+        """Feed the next `samples` of the repeated excitation. progress: called with the samples fed so far."""
+        ffi = self._library.ffi
+        y, u = (np.ascontiguousarray(signal, dtype=np.float32) for signal in (excitation.y_um, excitation.u_V))
+        given = ffi.new("endurance_excitation_t *")
+        given.y_um, given.u_V, given.period = ffi.from_buffer("float *", y), ffi.from_buffer("float *", u), y.size
+        given.noise_um, given.noise_V = excitation.noise_um, excitation.noise_V
+        given.burst_every, given.burst_length = excitation.burst_every, excitation.burst_length
+        given.spike_every = excitation.spike_every
+        done = 0
+        while done < samples:
+            chunk = min(CHUNK, samples - done)
+            self._library.lib.hysgen_endurance_run(self.learner, given, self.extremes, chunk, CHECK_EVERY)
+            done += chunk
+            if progress is not None:
+                progress(done)
+
+    def commit(self) -> int:
+        """Call `<name>_commit` until it is no longer BUSY: COMMITTED, or the reason of the refusal (`Commit`)."""
+        while True:
+            answer = int(self._function("commit")(self.instance, self.learner))
+            if answer:
+                return answer
+
+    def shadow(self) -> Model:
+        """The model with the learner's shadow parameters, in float64."""
+        theta = np.array(list(self.learner.theta)) + np.array(list(self.learner.theta_low))
+        return learned_model(self.model, coefficients(self.model), self.numbers, theta)
+
+    def active(self) -> Model:
+        """The model with the parameters of the instance's active bank, in float64."""
+        bank, strength = self.instance.bank[self.instance.active], coefficients(self.model).fold.astype(np.float64)
+        columns = [np.array(list(group)) / strength for group in (bank.slope, bank.gain, bank.offset)]
+        weights = np.array(list(bank.weight)) if self.model.terms else np.zeros(0)
+        return self.model.with_parameters(np.concatenate([np.column_stack(columns).ravel(), weights]))
+
+    def _function(self, name: str) -> Any:
+        return getattr(self._library.lib, f"{self.model.name}_{name}")

@@ -1,0 +1,172 @@
+"""Studies on the virtual stage: the paper's experiments, the bank of hidden effects, endurance."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import os
+from pathlib import Path
+
+from hysgen.cli.console import Console
+from hysgen.cli.outputs import Output
+from hysgen.cli.verbs import Verb
+from hysgen.display import table
+from hysgen.errors import HysgenError
+from hysgen_lab.stage.families import FAMILIES
+from hysgen_lab.studies.bank import CATEGORIES, OWN, Judgement, limits, limits_table
+from hysgen_lab.studies.bank import run as judge_bank
+from hysgen_lab.studies.endurance import ALLOWED_RATIO, CASES, HEADINGS, endurance_tests, rows
+from hysgen_lab.studies.endurance import run as endure
+from hysgen_lab.studies.paper.results import repeat_all
+
+EXPERIMENTS_HELP = """\
+Repeat the paper's experiments (sections 4.1 to 4.3, Fig. 11) on the virtual stage: a table and the figures.
+
+Beyond the paper, the learner in generated C: held against Eq. (10) in float64, and after the plant has lost gain.
+"""
+BANK_HELP = """\
+Hide effects in records of the virtual stage and count how often `diagnose` names them: confusion, limits, alarms.
+
+With --family the stages have the hysteresis of other equations than the diagnosis, with a past that the record does not
+show, other laws of creep, coloured and quantised noise, and a sensor with a curve.
+
+Exit code 1 if a limit is missed; 130 if it was interrupted, after saying what it had until then. With --log, the same
+command goes on where it was interrupted.
+"""
+ENDURANCE_HELP = """\
+Run the generated learner for hours of samples of poor, broken and endless excitation, and test its recovery.
+
+Every case drives the compiled learner of a model with six rules on the virtual stage. One second of persistent
+excitation follows; the free-run error of the learned model is divided by that of a fresh fit to the same second. Eq.
+(10) as printed runs in float32 over the same samples. Exit code 1 if a case fails.
+"""
+
+LEAST_SAMPLES = 1000
+LEGEND = f"""\
+holds:     factors finite, positive and bounded to the end, recovered to at most {ALLOWED_RATIO:g}
+recovered: free-run error after one second of persistent excitation, divided by that of a fresh float64 fit to the
+           same second with the same lambda; column `lambda 1`: divided by that of a fit without forgetting
+Eq. (10):  as printed, in float32, on the same samples without NaN and spikes, which it does not reject"""
+
+
+def experiments_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", metavar="DIR", help="folder for the figures (PNG)")
+
+
+def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
+    results = repeat_all(console.progress)
+    console.say(results.text())
+    if arguments.output:
+        from hysgen.report.plots import style
+        from hysgen_lab.studies.paper.figures import modelling_figures, tracking_figure
+
+        folder = Path(arguments.output)
+        for outcome in results.modelling:
+            for name, figure in modelling_figures(outcome).items():
+                console.say(f"written: {style.save(figure, folder / name)}")
+        for tracked in results.tracking:
+            path = folder / f"section-4.3-{tracked.f_Hz:g}-hz.png"
+            console.say(f"written: {style.save(tracking_figure(tracked), path)}")
+    return console.finish(results.to_json())
+
+
+def bank_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--seeds", default="1000:1010", metavar="A:B", help="seeds A to B, B excluded (%(default)s)")
+    parser.add_argument("--categories", nargs="+", choices=CATEGORIES, default=list(CATEGORIES), metavar="NAME")
+    parser.add_argument(
+        "--family",
+        nargs="+",
+        choices=(*FAMILIES, "all"),
+        metavar="NAME",
+        help=f"stages of other equations than the diagnosis': {', '.join(FAMILIES)}, or all",
+    )
+    parser.add_argument("--log", metavar="FILE", help="one JSON line a record as it is judged; what it holds is kept")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+
+
+def run_bank(arguments: argparse.Namespace, console: Console) -> int:
+    judged = wrong = 0
+
+    def report(fraction: float, judgement: Judgement) -> None:
+        nonlocal judged, wrong
+        judged, wrong = judged + 1, wrong + (not judgement.exact)
+        name = judgement.name
+        if judgement.category != "poor" and not judgement.exact:
+            console.say(f"wrong: {name}: {judgement.difference()}")
+        console.progress(
+            fraction, f"{name}: {', '.join(judgement.named) or 'nothing'} ({judged} judged, {wrong} wrong)"
+        )
+
+    log = Path(arguments.log) if arguments.log else None
+    named = arguments.family or [OWN]
+    families = tuple(FAMILIES) if "all" in named else tuple(named)
+    result = judge_bank(parse_seeds(arguments.seeds), arguments.categories, families, arguments.jobs, report, log)
+    comparison = limits(result)
+    console.say(result.table())
+    console.say()
+    console.say(limits_table(comparison))
+    console.write_json(result.to_json() | {"limits": [dataclasses.asdict(limit) for limit in comparison]})
+    if not result.complete:
+        console.warn(f"interrupted: {len(result.judgements)} of {result.asked} records")
+        return 130
+    return int(any(limit.holds is False for limit in comparison))
+
+
+def parse_seeds(text: str) -> range:
+    """The seeds "A:B", B excluded. Raises HysgenError for any other text.
+
+    >>> parse_seeds("1000:1003")
+    range(1000, 1003)
+    """
+    first, _, last = text.partition(":")
+    if not (first.isdecimal() and last.isdecimal() and int(first) < int(last)):
+        raise HysgenError(f"seeds: '{text}' is not a range of whole numbers; write FIRST:LAST, as 1000:1010")
+    return range(int(first), int(last))
+
+
+def endurance_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--samples",
+        type=float,
+        default=1e6,
+        help="samples of each case with lambda 0.999 and alpha 1e6 (%(default)g; 0: not tried)",
+    )
+    parser.add_argument(
+        "--others",
+        type=float,
+        default=0,
+        metavar="SAMPLES",
+        help="samples of each case with lambda 1, 0.9999, 0.99 and alpha 1e6, 1e3 (default: not tried)",
+    )
+    parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES), metavar="NAME", help=", ".join(CASES))
+
+
+def run_endurance(arguments: argparse.Namespace, console: Console) -> int:
+    samples, others = (_whole(name, getattr(arguments, name)) for name in ("samples", "others"))
+    for name, count in (("samples", samples), ("others", others)):
+        if 0 < count < LEAST_SAMPLES or samples == others == 0:
+            raise HysgenError(f"{name}: {count}: choose at least {LEAST_SAMPLES}, fewer do not test endurance")
+    tests = [test for test in endurance_tests(samples, others) if test.case in arguments.cases]
+    results = endure(tests, console.progress)
+    console.say(table(HEADINGS, rows(results)))
+    failed = [result for result in results if not result.holds]
+    console.say(f"\n{len(results) - len(failed)} of {len(results)} hold\n{LEGEND}")
+    return console.finish(
+        {"allowed_ratio": ALLOWED_RATIO, "trials": [result.to_json() for result in results]}, not failed
+    )
+
+
+def _whole(name: str, value: float) -> int:
+    """The whole number `value` (1e8 is one). Raises HysgenError if it is not whole or out of range."""
+    if not (0 <= value <= 1e12 and value == int(value)):
+        raise HysgenError(f"{name}: {value:g} is not a number of samples; write a whole number, as 1e8")
+    return int(value)
+
+
+VERBS = {
+    "experiments": Verb(
+        EXPERIMENTS_HELP, experiments_arguments, run_experiments, {"output": Output("-o", folder=True)}
+    ),
+    "bank": Verb(BANK_HELP, bank_arguments, run_bank),
+    "endurance": Verb(ENDURANCE_HELP, endurance_arguments, run_endurance),
+}

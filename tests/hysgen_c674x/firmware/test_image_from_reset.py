@@ -1,0 +1,182 @@
+"""The image of main.c on the simulated C6748 from reset: boot, start by the link, tracking, NMI, watchdog.
+
+Nothing of it is replaced: `make` links the same sources. The stage behind the converters is the model with noise.
+Every word that the D/A gets is compared with the host's firmware on the same readings.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from fixtures.board_model import BoardModel, SimulatedLine, library
+from fixtures.boot_rom import BootRom
+from fixtures.c674x_compiler import need_compiler
+from fixtures.firmware_bench import ModelStage, image, model
+from hysgen.firmware.binding import build_id, firmware_model
+from hysgen.firmware.host import HostFirmware, Request, State
+from hysgen.firmware.image import Label, encode
+from hysgen.firmware.link import Client
+from hysgen_c674x.firmware.boot_image import boot_image
+from hysgen_c674x.firmware.target import link_image
+from hysgen_c674x.system import System
+from hysgen_c674x.toolchain import Firmware
+
+PERIOD = 7500
+ZERO_UM, STEP_UM, DAC_LOW_V, DAC_PER_V = (np.float32(each) for each in (4.916, 0.00025, -20.0, 468.107143))
+TABLE_UM = (2.0 + 0.6 * np.sin(2 * np.pi * np.arange(1024) / 1024)).astype(np.float32)
+TRACKED = 4000
+
+TEXT = """
+hysgen firmware: model appendix_a, build {build:08x}
+core 375 MHz, period 20000 ns
+flash W25Q64JV: found
+self-test: 0 words differ
+settings: good
+parameters: {parameters}
+frames from here on
+"""
+
+
+@functools.cache
+def firmware() -> Firmware:
+    """The linked image."""
+    need_compiler()
+    return link_image(model().name, firmware_model(model())).firmware
+
+
+class Run:
+    """The board from power on. codes: of the A/D, one per conversion."""
+
+    def __init__(self) -> None:
+        self.stage = ModelStage(model(), 2e-4)
+        self.codes: list[int] = []
+        self.board = BoardModel(library(), self._sampled)
+        script = boot_image(firmware().image)
+        self.board.flash[: len(script)] = np.frombuffer(script, np.uint8)
+
+    def _sampled(self, u_V: float) -> float:
+        y_um = self.stage.step(None, u_V)
+        self.codes.append(int(np.clip(np.rint((y_um - 4.916) / 0.00025), -32768, 32767)))
+        return y_um
+
+    def reset(self) -> System:
+        """Reset; returns the system in front of its first interrupt, with the reference in place."""
+        system = self.board.reset(firmware().image, firmware().packets)
+        text = b""
+        while not text.endswith(b"frames from here on\r\n\0"):
+            assert system.run(PERIOD), "reset during the boot"
+            assert system.cycle < 20_000_000, text
+            text += self.board.sent()
+            # Behind the clearing of .bss, which comes before the first text.
+            if text:
+                system.view("main_board", 1024)[:] = TABLE_UM
+        self.text = text[:-1].decode()
+        return system
+
+
+def text_of(parameters: str) -> str:
+    return TEXT.format(build=build_id(model()), parameters=parameters).replace("\n", "\r\n")
+
+
+@pytest.mark.slow
+def test_the_image_from_reset_to_tracking_and_back() -> None:
+    run = Run()
+    rom = BootRom(bytes(run.board.flash[: len(boot_image(firmware().image))]))
+    rom.run()
+    system = run.reset()
+    assert rom.entry == firmware().image.symbol("_c_int00").address
+    first = min(rom.memory)
+    loaded = np.array([rom.memory[first + i] for i in range(max(rom.memory) + 1 - first)], np.uint8)
+    built = firmware().machine().view(first, loaded.size // 4, np.uint32).view(np.uint8)
+    assert (loaded[: built.size] == built).all()
+
+    assert run.text == text_of("built in")
+    client = Client(SimulatedLine(run.board, system), timeout_s=60.0)
+    assert client.identity().name == "appendix_a"
+    status = client.status()
+    assert (State(status.state), status.status, status.selftest, status.counter) == (State.OFF, 0, 0, 0)
+
+    # A parameter image over the line into the flash, while interrupts run.
+    status = client.install(encode(model(), Label(0, build_id(model()), 7)))
+    assert status.counter == 7
+    assert run.board.state.flash_erased >= 1
+    assert not run.board.violations
+
+    # Tracking: the same words for the D/A as the host's firmware puts out on the same readings.
+    client.request(Request.START)
+    at = 0
+    while State(client.status().state) is not State.TRACK:
+        at += 1
+        assert at < 60
+        assert system.run(500 * PERIOD)
+    begun = run.board.state.conversions
+    assert system.run(TRACKED * PERIOD)
+    status = client.status()
+    assert State(status.state) is State.TRACK
+    assert status.status >> 16 == 0
+    assert status.cycles_most < PERIOD
+    assert differing_words(run) == 0
+    assert run.board.state.conversions - begun >= TRACKED
+    assert abs(run.board.state.dog_served - run.board.state.interrupts) <= 1
+    assert not run.board.violations
+
+    # NMI: output to off_V, amplifier off; nobody serves the watchdog, which resets the chip within 10 ms.
+    system.raise_nmi()
+    assert system.run(2000)
+    assert abs(run.board.output_V) < 0.002
+    assert not run.board.enabled
+    assert not system.run(600 * PERIOD)
+    assert system.cycle > 400 * PERIOD
+
+    system = run.reset()
+    assert run.text == text_of("image 7")
+    assert not run.board.violations
+
+
+def differing_words(run: Run) -> int:
+    """Words of the D/A, sample by sample since reset, that differ from the host's on the same readings."""
+    codes = np.array(run.codes)
+    readings = ZERO_UM + STEP_UM * codes.astype(np.float32)
+    # The voltage of sample k acts when conversion k + 1 starts.
+    words = np.rint((np.array(run.board.voltages[1:]) + 20.0) * (65535 / 140)).astype(np.int64)
+    off = int(np.float32(20.0) * DAC_PER_V + np.float32(0.5))
+    rising = int(np.flatnonzero(words[1:] != off)[0]) + 1
+    # START reached the sample in which the voltage of the host, started at its first sample, has its first step.
+    plant = Replayed(readings)
+    host = HostFirmware(image(), plant)
+    host.request(Request.START)
+    ahead = 0
+    while word(host.run(TABLE_UM[:1]).output_V)[0] == off:
+        ahead += 1
+    started = rising - ahead
+    plant = Replayed(readings)
+    host = HostFirmware(image(), plant)
+    count = words.size
+    reference = np.tile(TABLE_UM, count // 1024 + 1)[:count]
+    before = host.run(reference[:started])
+    host.request(Request.START)
+    after = host.run(reference[started:])
+    expected = word(np.concatenate([before.output_V, after.output_V]))
+    return int((expected != words).sum())
+
+
+def word(voltage_V: np.ndarray) -> np.ndarray:
+    """Codes of the D/A as hysgen_board_voltage computes them in float32."""
+    return ((voltage_V - DAC_LOW_V) * DAC_PER_V + np.float32(0.5)).astype(np.int64)
+
+
+class Replayed(ModelStage):
+    """A plant that repeats readings."""
+
+    def __init__(self, readings: np.ndarray) -> None:
+        super().__init__(model())
+        self._readings = iter(readings.astype(float).tolist())
+        self.y_um = next(self._readings)
+
+    def step(self, _: object, u_V: float) -> float:
+        """The next reading; the last one is repeated."""
+        self.y_um = next(self._readings, self.y_um)
+        return self.y_um

@@ -1,0 +1,64 @@
+"""The kernels in the syntax of TI's assembler: the GNU assembler makes the same code of their instructions.
+
+cl6x was not run. The test maps TI's directives back by rules of its own and leaves the instructions as they are.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+from fixtures.c674x_compiler import need_compiler
+from fixtures.c674x_kernels import scheduled_texts
+from hysgen.codegen.manifest import MANIFEST
+from hysgen.errors import TargetError
+from hysgen.machine.files import digest
+from hysgen_c674x import toolchain
+from hysgen_c674x.schedule.ti import ti_text, with_ti_assembly
+
+FILE = "appendix_a_c674x"
+
+
+def gnu_directives(text: str) -> str:
+    """TI's text with the directives of the GNU assembler; its instructions as they are."""
+    text = re.sub(r"\.align (\d+)", lambda found: f".balign {found[1]}", text)
+    text = re.sub(r'\.sect "\.text:(\w+)"', r'.section .text.\1, "ax"', text).replace(
+        '.sect ".const"', ".section .rodata"
+    )
+    return re.sub(r"\t\.(end)?asmfunc", "", text)
+
+
+def code(text: str) -> dict[tuple[str, int], bytes]:
+    """Code and constants of the program that consists of one assembly file, by section and address."""
+    sections = toolchain.compile([(f"{FILE}.s", text)]).image.sections
+    return {(each.name, each.address): each.content for each in sections}
+
+
+def test_instructions_in_tis_syntax_are_the_same_code() -> None:
+    need_compiler()
+    gnu = scheduled_texts("appendix_a")[f"{FILE}.s"]
+    ti = ti_text(gnu)
+    assert code(gnu_directives(ti)) == code(gnu)
+    wrong = re.sub(r"ADDSP", "SUBSP", ti, count=1)
+    assert code(gnu_directives(wrong)) != code(gnu)
+
+
+def test_every_function_is_framed_by_tis_directives() -> None:
+    ti = ti_text(scheduled_texts("appendix_a")[f"{FILE}.s"])
+    functions = re.findall(r"\.global (\w+)", ti)
+    assert functions
+    assert re.findall(r"^(\w+):\t\.asmfunc$", ti, re.MULTILINE) == functions
+    assert ti.count(".endasmfunc") == len(functions)
+    assert set(re.findall(r"^\s+(\.\w+)", ti, re.MULTILINE)) <= {".sect", ".global", ".align", ".word", ".endasmfunc"}
+
+
+def test_the_manifest_lists_the_file() -> None:
+    folder = with_ti_assembly("appendix_a", scheduled_texts("appendix_a"))
+    assert json.loads(folder[MANIFEST])["files"][f"{FILE}.asm"] == digest(folder[f"{FILE}.asm"].encode())
+
+
+def test_an_unknown_directive_is_refused() -> None:
+    with pytest.raises(TargetError, match=r"\.nocmp has no counterpart"):
+        ti_text("\t.nocmp\n")

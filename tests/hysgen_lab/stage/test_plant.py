@@ -1,0 +1,219 @@
+"""The stage as a whole: stated gain and bandwidth, one plant at every sampling rate, in a run and step by step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hysgen_lab.stage import (
+    BandwidthEffect,
+    BoucWen,
+    Preisach,
+    Stage,
+    StageError,
+    StageState,
+    effect_shares,
+    run,
+    static_loop,
+    without,
+)
+
+Floats = NDArray[np.float64]
+TS_S = 20e-6
+# The nominal stage's promises, from the paper: nominal stroke and voltage (section 4), pole of 1 ms (Appendix A).
+GAIN_UM_PER_V = 10.0 / 120.0
+POLE_HZ = 1 / (2 * math.pi * 1e-3)
+
+EVERYTHING = Stage.laboratory().with_effects(
+    saturation=(0.0, 44.0),
+    delay=2.3,
+    drift=(0.1, 0.01),
+    aging=(-0.1, 0.05),
+    outliers=(0.01, 0.2),
+    coupling={"axis2_V": 0.01, "axis3_V": -0.02},
+    stick_slip=0.004,
+    noise=(0.001, 0.001),
+)
+
+
+def drive(n: int) -> Floats:
+    t_s = TS_S * np.arange(n)
+    return 25.0 + 14.0 * np.sin(2 * np.pi * 100.0 * t_s) + 8.0 * np.sin(2 * np.pi * 37.0 * t_s)
+
+
+def test_dc_gain_of_the_nominal_stage_is_ten_micrometres_over_120_volts() -> None:
+    held_V = np.repeat([0.0, 120.0, 0.0, 120.0, 0.0], 100)
+    measured = run(Stage.nominal(), held_V, 1e-3, seed=1).displacement_um.reshape(5, 100)[:, 50:].mean(axis=1)
+    # 50 readings with 0.5 nm of noise and 0.5 nm of resolution: their mean is good to 0.1 nm; five times that.
+    np.testing.assert_allclose(np.abs(np.diff(measured)) / 120.0, GAIN_UM_PER_V, atol=0.0005 / 120.0)
+
+
+def test_bandwidth_of_the_nominal_stage_is_the_pole_of_appendix_a() -> None:
+    stage = Stage.nominal().with_effects(memory=None)
+    gains = []
+    for f_Hz in (2.0, POLE_HZ):
+        n = round(4 / f_Hz / TS_S)
+        w_t = 2 * np.pi * f_Hz * TS_S * np.arange(n)
+        y_um = run(stage, 50.0 + 20.0 * np.sin(w_t), TS_S).displacement_um[n // 2 :]
+        base = np.stack([np.sin(w_t), np.cos(w_t), np.ones(n)], axis=1)[n // 2 :]
+        (s, c, _), *_ = np.linalg.lstsq(base, y_um, rcond=None)
+        gains.append(math.hypot(s, c) / 20.0)
+    # -3 dB at the pole. The start has died to exp(-12), the noise of 0.5 nm averages out over 600 readings: 1e-4.
+    assert gains[0] == pytest.approx(GAIN_UM_PER_V, rel=2e-4)
+    assert gains[1] / gains[0] == pytest.approx(math.sqrt(0.5), rel=2e-4)
+
+
+def test_without_effects_exactly_a_proportional_ceramic_behind_one_pole_remains() -> None:
+    stage = Stage(memory=None, dac_bits=0).quiet()
+    u_V = drive(3000)
+    y_um = run(stage, u_V, TS_S).displacement_um
+    keep = math.exp(-TS_S / 1e-3)
+    # Rounding of one multiplication and addition at 4 um.
+    np.testing.assert_allclose(y_um[1:], keep * y_um[:-1] + (1 - keep) * GAIN_UM_PER_V * u_V[:-1], atol=1e-14)
+    assert stage.active == ()
+
+
+def test_the_nominal_stage_has_memory_and_nothing_else() -> None:
+    assert Stage.nominal().active == ("memory",)
+    assert set(Stage.laboratory().active) == {"memory", "bandwidth", "slew", "creep", "drift", "resonance", "periodic"}
+
+
+@pytest.mark.parametrize("memory", [Preisach(), BoucWen()])
+@pytest.mark.parametrize(("slew", "tolerance_um"), [(None, 1e-6), (100e3, 2.5e-4)])
+def test_it_is_the_same_plant_at_every_sampling_rate(
+    slew: float | None, tolerance_um: float, memory: Preisach | BoucWen
+) -> None:
+    # The D/A's instants are the same, the mesh between them is not. Substeps are exact but for the bend of the
+    # hysteresis within one; where a rate limit ends between two nodes, up to half a step of the sensor is lost.
+    stage = Stage.laboratory().quiet().with_effects(memory=memory, slew=slew, drift=None, delay=(0.0, 1.3e-3))
+    held_V = np.random.default_rng(3).uniform(0.0, 110.0, 60)
+    slow = run(stage, held_V, 5e-3, rest_V=20.0).displacement_um
+    for ratio in (5, 50, 250):
+        fast = run(stage, np.repeat(held_V, ratio), 5e-3 / ratio, rest_V=20.0).displacement_um[::ratio]
+        np.testing.assert_allclose(fast, slow, atol=tolerance_um)
+
+
+def test_a_run_equals_the_same_inputs_step_by_step() -> None:
+    n = 6000
+    u_V, others = drive(n), np.random.default_rng(1).normal(size=(n, 2))
+    aux = {"axis3_V": others[:, 1], "axis2_V": others[:, 0]}
+    whole = run(EVERYTHING, u_V, TS_S, 9, aux, rest_V=10.0)
+    state = StageState(EVERYTHING, TS_S, 9, 10.0, others[0].tolist())
+    readings, true = [state.y_um], [state.true_um]
+    for k in range(n - 1):
+        readings.append(state.step(float(u_V[k]), others[k].tolist()))
+        true.append(state.true_um)
+    assert np.array(readings).tobytes() == whole.displacement_um.tobytes()
+    assert np.array(true).tobytes() == whole.truth.true_um.tobytes()
+    assert whole.truth.outlier.sum() > 10
+
+
+def test_same_seed_same_bytes_other_seed_other_noise() -> None:
+    u_V = drive(2000)
+    aux = {"axis2_V": u_V, "axis3_V": u_V}
+    first, again, other = (run(EVERYTHING, u_V, TS_S, seed, aux).displacement_um for seed in (4, 4, 5))
+    assert first.tobytes() == again.tobytes()
+    assert (first != other).mean() > 0.5
+
+
+def test_readings_are_multiples_of_the_sensors_step_and_end_at_the_converters_range() -> None:
+    stage = Stage.nominal().with_effects(noise=0.003)
+    y_um = run(stage, drive(5000), TS_S).displacement_um
+    codes = y_um / 0.0005
+    np.testing.assert_allclose(codes, np.round(codes), atol=1e-9)
+    assert len(np.unique(codes.round())) > 1000
+    far = run(stage.with_effects(drift=(1000.0, 0.0)), np.full(2000, 20.0), TS_S).displacement_um
+    assert far.max() == pytest.approx(13.108 - 16.384 / 2**16, abs=1e-12)
+    near = run(stage.with_effects(drift=(-1000.0, 0.0)), np.full(2000, 20.0), TS_S).displacement_um
+    assert near.min() == pytest.approx(-3.276, abs=1e-12)
+
+
+def test_the_dac_has_twenty_bits_and_ends_at_its_range() -> None:
+    volts = run(Stage.nominal(), np.linspace(-40.0, 140.0, 5001), TS_S).truth.actuator_V
+    codes = (volts + 20.0) / (140.0 / 2**20)
+    np.testing.assert_allclose(codes, np.round(codes), atol=1e-6)
+    assert volts.min() == -20.0
+    assert volts.max() == 120.0
+
+
+def test_at_rest_nothing_moves() -> None:
+    stage = (
+        Stage.laboratory()
+        .quiet()
+        .with_effects(
+            bandwidth=BandwidthEffect(500.0, order=2), drift=None, periodic=None, delay=1.6, coupling={"axis2_V": 0.02}
+        )
+    )
+    y_um = run(stage, np.full(500, 30.0), TS_S, aux={"axis2_V": np.full(500, 7.0)}).displacement_um
+    # Rounding in some forty states at 3 um.
+    np.testing.assert_allclose(y_um, y_um[0], atol=1e-11)
+
+
+def test_a_closed_loop_settles_on_its_reference() -> None:
+    state = StageState(Stage.laboratory(), TS_S, seed=2, rest_V=20.0)
+    y_um, u_V = state.y_um, 20.0
+    tail = []
+    for k in range(5000):
+        u_V += 0.15 * (2.5 - y_um)
+        y_um = state.step(u_V)
+        tail += [state.true_um] if k >= 4000 else []
+    # What an integrator of 13 Hz leaves of 2 nm of hum at 50 Hz and of the noise it feeds back.
+    assert np.abs(np.array(tail) - 2.5).max() < 0.01
+
+
+def test_a_voltage_that_is_not_a_number_holds_the_last() -> None:
+    good, bad = (StageState(Stage.nominal(), TS_S, rest_V=5.0) for _ in range(2))
+    good.step(30.0)
+    bad.step(30.0)
+    assert bad.step(math.nan) == good.step(30.0)
+    assert bad.actuator_V == good.actuator_V
+
+
+def test_shares_are_the_plant_with_and_without_the_effect() -> None:
+    stage = Stage.nominal().with_effects(periodic=(50.0, 0.02), creep=0.02)
+    u_V = drive(10_000)
+    measured = run(stage, u_V, TS_S)
+    shares_um = effect_shares(measured)
+    assert set(shares_um) == {"memory", "creep", "periodic"}
+    assert shares_um["periodic"] == pytest.approx(0.02 / math.sqrt(2), rel=1e-6)  # 10 whole periods
+    plain = (
+        run(stage.quiet(), u_V, TS_S).displacement_um
+        - run(stage.quiet().with_effects(creep=None), u_V, TS_S).displacement_um
+    )
+    assert shares_um["creep"] == pytest.approx(float(np.std(plain)), rel=1e-12)
+    # Memory's share: the loop over the visited range against its middle; a sine fills about half of its opening.
+    _, rising, falling = static_loop(stage, u_V.min(), u_V.max())
+    assert 0.2 < shares_um["memory"] / float((falling - rising).max() / 2) < 1.0
+    middle = without(stage, "memory", 5.0, 45.0)
+    _, up, down = static_loop(middle, 5.0, 45.0)
+    np.testing.assert_allclose(up, down, atol=1e-12)
+
+
+def test_a_share_is_that_of_the_rows_that_count() -> None:
+    """The voltage exceeds the level in the second half only."""
+    u_V = drive(4000) * np.repeat([0.4, 1.0], 2000)
+    level_V = 0.5 * float(u_V.max())
+    measured = run(Stage.nominal().with_effects(saturation=(-20.0, level_V)), u_V, TS_S)
+    assert effect_shares(measured, np.arange(2000))["saturation"] == 0.0
+    assert effect_shares(measured, np.arange(2000, 4000))["saturation"] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        ({"u_V": np.array([])}, "one row of voltages"),
+        ({"u_V": np.array([1.0, math.nan])}, "u_V: holds values that are not finite"),
+        ({"u_V": np.ones(3), "Ts_s": 0.0}, "Ts_s: 0.0 s is no sampling period"),
+        ({"u_V": np.ones(3), "aux": {"t_C": np.ones(2)}}, "aux t_C: .* for 3 samples"),
+        ({"u_V": np.ones(3), "aux": {"t_C": np.array([1.0, 2.0, math.inf])}}, "aux t_C: holds values"),
+        ({"u_V": np.ones(3), "seed": -1}, "seed: -1"),
+        ({"u_V": np.ones(3), "rest_V": math.nan}, "rest_V: nan"),
+    ],
+)
+def test_input_that_drives_no_stage_is_refused_in_one_line(arguments: dict[str, object], complaint: str) -> None:
+    with pytest.raises(StageError, match=complaint) as refusal:
+        run(Stage.nominal(), **{"Ts_s": TS_S, **arguments})  # type: ignore[arg-type]
+    assert "\n" not in str(refusal.value)
