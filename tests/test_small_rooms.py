@@ -226,8 +226,8 @@ def test_generated_files_are_listed_with_lines_and_bytes_and_written(tmp_path: P
 
 def test_a_page_of_several_models_scores_each_on_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
     a, b = hysgen.load_model("appendix_a"), hysgen.load_model("appendix_b")
-    room = SimpleNamespace(ScoredModels=lambda *given: given, model_page=lambda *given: given)
-    monkeypatch.setattr(api, "importlib", SimpleNamespace(import_module=lambda name: room))
+    monkeypatch.setattr("hysgen.report.model.ScoredModels", lambda *given: given)
+    monkeypatch.setattr("hysgen.report.model.model_page", lambda *given: given)
     monkeypatch.setattr(api, "score", lambda model, record: (model.name, record))
     record = dataclasses.replace(RECORD, source="s.csv")
     scored = {"x": ("appendix_a", record), "y": ("appendix_b", record)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import re
 import shlex
 import stat
 import sys
@@ -23,15 +22,17 @@ from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
 from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
 from hysgen.cli.progress import ProgressLine
-from hysgen.cli.verbs import NAMES, export, firmware, studies, verify
+from hysgen.cli.verbs import NAMES, export, firmware, verify
 from hysgen.display import table
-from hysgen.errors import BuildError, HysgenError, RecordError, TargetError
+from hysgen.errors import BuildError, HysgenError, RecordError
 from hysgen.export.check import Compared
 from hysgen.firmware.binding import build_id, structure_digest
 from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.machine.installed import version
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
+from hysgen.targets import emulated
+from hysgen.targets.base import Target
 
 
 class Terminal(io.StringIO):
@@ -304,7 +305,6 @@ CALLS: Mapping[str, dict[str, Any]] = {
         "output": "f", "flashed": "g", "key": "k", "device": "ab", "counter": 3,
     },
     "image m -o f": {"device": "0", "counter": 1, "key": None, "flashed": None},
-    "track --seconds 0.5": {"seconds": 0.5},
     "refit m a.csv -o n --c d --same-range --anyway --no-diagnosis": {
         "c": "d", "same_range": True, "anyway": True, "no_diagnosis": True,
     },
@@ -316,8 +316,6 @@ CALLS: Mapping[str, dict[str, Any]] = {
     "link port reference 2.5 --baud 9600 --key k": {"action": "reference", "value": "2.5", "baud": 9600, "key": "k"},
     "history d --limit 3 --plot p.png": {"limit": 3.0, "plot": "p.png"},
     "history d": {"limit": 5.0},
-    "bank": {"seeds": "1000:1010", "family": None, "log": None},
-    "endurance": {"samples": 1e6, "others": 0},
     "prove d --samples 5 --calls a,b --take-out": {"samples": 5, "calls": "a,b", "take_out": True},
     "prove d": {"samples": 100_000, "calls": "", "take_out": False},
     "verify d": {"samples": None, "updates": None, "seed": 1, "target": None, "machine": None, "fused": False},
@@ -336,7 +334,8 @@ def test_every_option_is_read_and_has_the_default_that_its_help_states(call: str
         words[words.index("--accept") + 1] = ACCEPTABLE[0]
     given = vars(parser([words[0]]).parse_args(words))
     expected = CALLS[call] | ({"accept": [words[words.index("--accept") + 1]]} if "--accept" in words else {})
-    assert {name: given[name] for name in expected} == expected
+    read = {name: value.name if isinstance(value := given[name], Target) else value for name in expected}
+    assert read == expected
     assert (given["json"], given["force"], given["quiet"], given["verbose"]) == (None, False, False, False)
 
 
@@ -395,9 +394,8 @@ def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
 ) -> None:
     here, there, elsewhere = Recorded(equal), Recorded(equal), Recorded(equal)
     monkeypatch.setattr(verify, "verify", here)
-    monkeypatch.setattr(verify, "verify_on_target", there)
-    monkeypatch.setattr(verify, "equality", elsewhere)
-    monkeypatch.setattr(verify, "table", lambda *_: "table")
+    monkeypatch.setattr("hysgen_c674x.equality.verify_on_target", there)
+    monkeypatch.setattr(emulated, "equality", elsewhere)
     written: list[tuple[Any, ...]] = []
     monkeypatch.setattr(Console, "write_json", lambda *given: written.append(given[1:]))
     monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts", facts={}))
@@ -414,7 +412,7 @@ def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
     ]
     assert main(["verify", "d", "--target", "c674x"]) == code
     assert main(["verify", "d", "--target", "c674x", "--samples", "6", "--seed", "8", "--updates", "4"]) == code
-    assert capsys.readouterr().out == "table\ncell\n" * 2
+    assert capsys.readouterr().out == "first\nlast\n" * 2
     assert [(*call[0][:4], call[0][5]) for call in there.calls] == [
         ("model", "texts", 4000, 1, None),
         ("model", "texts", 6, 8, 4),
@@ -423,8 +421,8 @@ def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
     first = verify.PLATFORMS[0].name
     assert main(f"verify d --target emulated --samples 6 --seed 8 --machine {first}".split()) == code
     assert [call[0][2] for call in elsewhere.calls] == [
-        verify.EmulationSettings(samples=20_000, platforms=list(verify.PLATFORMS), seed=1),  # type: ignore[arg-type]
-        verify.EmulationSettings(samples=6, platforms=[verify.PLATFORMS[0]], seed=8),  # type: ignore[arg-type]
+        emulated.EmulationSettings(samples=20_000, platforms=list(verify.PLATFORMS), seed=1),  # type: ignore[arg-type]
+        emulated.EmulationSettings(samples=6, platforms=[verify.PLATFORMS[0]], seed=8),  # type: ignore[arg-type]
     ]
     assert written == [({"equal": equal},)] * 6
 
@@ -440,8 +438,8 @@ def test_fused_arithmetic_may_change_bits_only_without_the_guard(
         SimpleNamespace(guarded=guarded, differing=differing, selftest=selftest, to_json=dict)
         for guarded, differing, selftest in rows
     ]
-    monkeypatch.setattr(verify, "contraction", lambda *_, samples, **__: results if samples == 20_000 else [])
-    monkeypatch.setattr(verify, "contraction_rows", lambda _: (["a"] * 4, []))
+    monkeypatch.setattr(emulated, "contraction", lambda *_, samples, **__: results if samples == 20_000 else [])
+    monkeypatch.setattr(emulated, "contraction_rows", lambda _: (["a"] * 4, []))
     monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts"))
     monkeypatch.setattr(Console, "write_json", lambda *_: None)
     assert main(["verify", "d", "--target", "emulated", "--fused"]) == code
@@ -480,7 +478,7 @@ def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is
         raise BuildError("no compiler")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(firmware, "link_image", missing)
+    monkeypatch.setattr("hysgen_c674x.firmware.image_cost.link_image", missing)
     monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": f"hysgen {aligned}"})
     assert main(["firmware", "appendix_a", "-o", "d", "--json", "r.json"]) == 0
     captured = capsys.readouterr()
@@ -491,104 +489,6 @@ def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is
     assert Path("d/model.h").read_text() == "hysgen False"
     told = json.loads(Path("r.json").read_text())
     assert (told["model"], told["target"]) == ("appendix_a", None)
-
-
-def test_the_firmwares_tables_have_a_row_for_each_thing_with_its_unit() -> None:
-    run: Any = SimpleNamespace(
-        interrupt={"TRACK": (1000, 3750)},
-        idle=(10, 75),
-        equal=True,
-        differing=0,
-        samples=9,
-        commits=2,
-        selftest=0,
-        boot=77,
-    )
-    text = firmware.cycles_table(run)
-    assert "interrupt, TRACK  1000 .. 3750   50.0 %" in text
-    assert "idle loop             10 .. 75    1.0 %" in text
-    assert "9 samples, 2 commits: the host's bits; self-test at boot: 0 mismatches, 77 cycles" in text
-    run.equal, run.differing = False, 4
-    assert "9 samples, 2 commits: NOT THE HOST'S BITS in 4;" in firmware.cycles_table(run)
-    result: Any = SimpleNamespace(
-        f_Hz=50.0,
-        controller="inverse",
-        rms_nm=1.234,
-        mean_nm=0.5,
-        spread_nm=2.0,
-        last_nm=3.0,
-        voltage_V=(1.0, 2.25),
-        commits=4,
-    )
-    text = firmware.tracking_table([result], 0.777)
-    assert text.split("\n")[2].split("  ")[0] == "50 Hz, inverse"
-    assert text.split("\n")[2].split()[3:] == ["1.23", "+0.50", "2.00", "3.00", "1.0", "..", "2.2", "4"]
-    assert "sensor: 0.78 nm rms" in text
-
-
-@pytest.mark.parametrize(
-    ("words", "samples", "others"),
-    [
-        ("--samples 1000", 1000, 0),
-        ("--samples 0 --others 1e3", 0, 1000),
-        ("--samples 1e12 --others 1e12", 10**12, 10**12),
-    ],
-)
-def test_endurance_takes_whole_numbers_from_a_thousand_on(
-    words: str, samples: int, others: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[tuple[int, int]] = []
-    monkeypatch.setattr(studies, "endurance_tests", lambda *given: asked.append(given) or [])
-    monkeypatch.setattr(studies, "endure", lambda tests, _: [])
-    assert main(["endurance", *words.split()]) == 0
-    assert asked == [(samples, others)]
-
-
-@pytest.mark.parametrize("words", ["--samples 999", "--samples 0", "--others 1", "--samples 1e13", "--samples 1000.5"])
-def test_fewer_samples_than_test_endurance_are_refused(words: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["endurance", *words.split()]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("complete", "holds", "code"), [(True, True, 0), (True, None, 0), (True, False, 1), (False, False, 130)]
-)
-def test_the_banks_code_is_its_limits_or_that_of_an_interrupt(
-    complete: bool, holds: bool | None, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    given: list[Any] = []
-
-    def judged(name: str, category: str, exact: bool) -> Any:
-        return SimpleNamespace(
-            name=name, category=category, exact=exact, named=("a", "b")[: exact + 1], difference=lambda: "creep"
-        )
-
-    def judge(*arguments: Any) -> Any:
-        given.extend(arguments)
-        for place, one in enumerate(
-            (judged("p", "poor", False), judged("q", "good", False), judged("r", "good", True))
-        ):
-            arguments[4]((place + 1) / 4, one)
-        return SimpleNamespace(table=lambda: "table", to_json=dict, complete=complete, judgements=[1, 2], asked=3)
-
-    monkeypatch.setattr(studies, "judge_bank", judge)
-    monkeypatch.setattr(studies, "limits", lambda _: [studies_limit(holds)])
-    monkeypatch.setattr(studies, "limits_table", lambda _: "limits")
-    monkeypatch.setattr(studies.dataclasses, "asdict", vars)
-    monkeypatch.setattr(Console, "write_json", lambda *_: None)
-    assert main(["-v", "bank", "--seeds", "5:8", "--jobs", "2", "--log", "l", "--family", "all"]) == code
-    assert (given[0], given[2], given[3], given[5]) == (range(5, 8), tuple(studies.FAMILIES), 2, Path("l"))
-    captured = capsys.readouterr()
-    assert captured.out == "wrong: q: creep\ntable\n\nlimits\n", "a poor record may be judged wrong"
-    assert "25.0 %  p: a (1 judged, 1 wrong)\n" in captured.err
-    assert "75.0 %  r: a, b (3 judged, 2 wrong)\n" in captured.err
-    assert ("interrupted: 2 of 3 records" in captured.err) == (not complete)
-    for seeds in ("5:5", "6:5", "a:b", "5"):
-        assert main(["bank", "--seeds", seeds]) == 2
-
-
-def studies_limit(holds: bool | None) -> Any:
-    return SimpleNamespace(holds=holds)
 
 
 def test_export_says_its_files_and_a_check_that_differs_is_code_1(
@@ -624,55 +524,6 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
     for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
         assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2
     assert not Path("x").exists()
-
-
-def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    run = SimpleNamespace(
-        interrupt={},
-        idle=(1, 2),
-        equal=True,
-        differing=0,
-        samples=9,
-        commits=0,
-        selftest=0,
-        boot=1,
-        to_json=lambda: "run",
-    )
-    section = SimpleNamespace(name=".text", address=0x11800000, memory="L2", size=77)
-    built = SimpleNamespace(sections=[section], used={"L2": 77}, compiler="gcc 12", to_json=lambda: "built")
-    results: list[Any] = []
-    monkeypatch.setattr(firmware, "MEMORIES", {"L2": (0, 262_144)})
-    monkeypatch.setattr(firmware, "link_image", lambda name, texts: built)
-    monkeypatch.setattr(firmware, "compile_image", lambda texts: "compiled")
-    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": model.name})
-    monkeypatch.setattr(firmware, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
-    monkeypatch.setattr(firmware, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
-    monkeypatch.setattr(firmware, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})
-    monkeypatch.setattr(firmware, "timing_rows", lambda timed, budget: [[str(budget)] * len(firmware.TIMING_HEADS)])
-    monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
-    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
-    out = capsys.readouterr().out
-    for line in (
-        r"\.text +0x11800000  L2 +77",
-        r"L2: 77 of 262144 bytes",
-        r"gcc 12",
-        r"f +3 \.\. 5",
-        r"g +not bounded",
-    ):
-        assert re.search(f"^{line}$", out, re.M), line
-    assert "7500" in out.rpartition("nothing ran on silicon")[2], "the timing stands last, with the period's cycles"
-    assert results[-1]["simulated"] == "run"
-    assert results[-1]["timing"] == {"compiled": "t"}
-
-    def lacks(*_: object) -> None:
-        raise TargetError("no such instruction")
-
-    monkeypatch.setattr(firmware, "simulate", lacks)
-    assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
-    assert capsys.readouterr().err == "warning: cycles are missing: no such instruction\n"
-    assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)
 
 
 def test_a_folder_for_matplotlib_that_the_user_names_stays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

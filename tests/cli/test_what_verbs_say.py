@@ -13,7 +13,7 @@ from hysgen.cli import main
 from hysgen.firmware.binding import build_id
 from hysgen.firmware.image import Label, decode
 from hysgen.model.file import load_model
-from hysgen_lab.stage.demo_record import bundled_csv
+from hysgen.record.bundled import bundled_csv
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +139,7 @@ def test_score_sets_models_beside_each_other_and_describe_says_every_part(
     [
         ("verify @c --machine arm", "--machine"),
         ("verify @c --updates 5", "--updates belongs to --target c674x; add it"),
-        ("verify @c --fused", "--machine and --fused: they belong to --target emulated; add it"),
+        ("verify @c --fused", "--fused belongs to --target emulated; add it"),
         ("cost @c --budget x.json", "--budget FILE belongs to --target c674x"),
         ("cost @c --target c674x --update-budget", "--update-budget to --budget; add what is missing"),
         ("generate @m.json -o x --assembler ti", "add --kernels c674x"),
