@@ -26,7 +26,7 @@ from typing import Any, Final
 from reached_lines import SETUP
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-PACKAGE: Final = "generator/hysgen"
+PACKAGES: Final = "generator/"
 WORKERS: Final = 2
 
 
@@ -207,7 +207,7 @@ class Reach:
             file["names"] = list(file["tests"])
         self.seconds: dict[str, float] = {name: s for file in self.files for name, s in file["tests"].items()}
         self.sources = {
-            str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in ROOT.glob(f"{PACKAGE}/**/*.py")
+            str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in ROOT.glob(f"{PACKAGES}**/*.py")
         }
         self.trees = {name: ast.parse(text) for name, text in self.sources.items()}
 
@@ -215,7 +215,7 @@ class Reach:
         """Tests that reach the line of an edit: whether each does so itself, or another test of its file."""
         if edit.file.endswith(".py"):
             return dict.fromkeys(self._of_python(edit), True)
-        if edit.file.startswith(PACKAGE):
+        if edit.file.startswith(PACKAGES):
             text = re.sub(r"/\*.*?\*/", "", (ROOT / edit.file).read_text(encoding="utf-8"), flags=re.DOTALL)
             functions = re.findall(r"^(?!static)[a-z_][\w \*]*?(\w+)\(", text, re.MULTILINE)
             by_name = self._naming(functions)

@@ -8,9 +8,9 @@ It needs git, gcc, the packages of `pip install -e .[test]`, and coverage >= 7.6
 `reached` (which test reaches which line, measured once for each commit; about half an hour), copies of the tree in
 which the faults are planted, `results.jsonl` (a run that was interrupted goes on from there) and `survivors.txt`.
 
-A room is a package directly below generator/hysgen (modules there: the room `api`), the templates of C,
-firmware/controller and firmware/board. The seed is the commit's hash. Each room gives as many faults as any other, to
-within one: first a line is drawn among those of the room that can be changed, then a change of this line.
+A room is a package directly below generator/hysgen (modules there: the room `api`), hysgen_c674x, hysgen_lab, the
+templates of C, firmware/controller and firmware/board. The seed is the commit's hash. Each room gives as many faults as
+any other, to within one: first a line is drawn among those of the room that can be changed, then a change of this line.
 
 Operators, in Python, C and the C of the templates:
 
@@ -61,7 +61,7 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
-from fault_reach import PACKAGE, ROOT, Edit, Place, Reach, committed, in_threads, measure
+from fault_reach import PACKAGES, ROOT, Edit, Place, Reach, committed, in_threads, measure
 from fault_sites import Site, c_sites, python_sites
 from scipy.stats import beta
 
@@ -96,8 +96,9 @@ def rooms() -> dict[str, list[str]]:
     for name in committed():
         path = Path(name)
         of_c = name.endswith((".c.j2", ".h.j2")) or (path.parent.name == "templates" and "." not in path.stem)
-        if name.startswith(PACKAGE) and path.suffix in (".py", ".c", ".h"):
-            found.setdefault(path.parts[2] if len(path.parts) > 3 else "api", []).append(name)
+        if name.startswith(PACKAGES) and path.suffix in (".py", ".c", ".h"):
+            inside = path.parts[2] if len(path.parts) > 3 else "api"
+            found.setdefault(inside if path.parts[1] == "hysgen" else path.parts[1], []).append(name)
         elif path.parts[0] == "templates" and of_c and path.suffix == ".j2":
             found.setdefault("templates", []).append(name)
         elif path.parts[:2] in {("firmware", "controller"), ("firmware", "board")} and path.suffix in (".c", ".h"):
