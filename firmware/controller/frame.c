@@ -50,7 +50,8 @@ uint32_t hysgen_frame_take(frame_t *self, uint8_t byte)
             frame_put(self, 0u);
         }
         self->left = (uint32_t)byte - 1u;
-        self->zero = (uint32_t)(byte != 0xFFu);
+        /* A code byte of 255 would stand for none, but its block is longer than a frame. */
+        self->zero = 1u;
     } else {
         frame_put(self, byte);
         self->left -= 1u;

@@ -157,3 +157,16 @@ def test_byte_order_is_the_elfs_and_an_address_fits_into_32_bits() -> None:
     laid_out((1 << 32) - room)
     with pytest.raises(BuildError, match=r"lies at 0x\w+, beyond the 32 bits of an A2L address"):
         laid_out((1 << 32) - room + 4)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_program_of_the_user_may_lack_the_learner(
+    known: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, elf = laid_out()
+    symbols = {name: place for name, place in elf.symbols.items() if known or name != f"{NAME}_learner"}
+    monkeypatch.setattr("hysgen.export.read_elf", lambda _: Elf(symbols, True))
+    write_export(model(), "a2l", tmp_path, source=A2lSource(Path("own.elf")))
+    text = (tmp_path / f"{NAME}.a2l").read_text()
+    assert f"{NAME}_instance.y_um" in text
+    assert (f"{NAME}_learner." in text) is known

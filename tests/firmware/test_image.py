@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import ModelStage, booted, image, model, sine, tracking
-from hysgen.errors import ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import (
     SLOT_BYTES,
@@ -22,7 +21,7 @@ from hysgen.firmware.host import (
     Settings,
     State,
 )
-from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode, pack
+from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model
@@ -139,16 +138,6 @@ def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, 
     assert firmware.send(encode(changed(np.array(consequents)))) == answer, ANSWERS[answer]
     assert firmware.bank() == good
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
-
-
-@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1e-40, 2e6])
-def test_what_is_no_number_of_a_model_is_refused_although_its_crc_is_right(number: float) -> None:
-    decoded = decode(encode(model()))
-    for table in (decoded.bank.slope, decoded.bank.gain, decoded.bank.offset):
-        kept = table[3]
-        table[3] = number
-        assert booted().send(pack(decoded)) == 5
-        table[3] = kept
 
 
 def test_numbers_of_another_partition_or_range_are_refused() -> None:
@@ -328,13 +317,3 @@ def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
         assert (firmware.bank() != built_in) == keep
         firmware.boot()
         assert firmware.bank() == built_in
-
-
-def test_python_reads_only_whole_images() -> None:
-    data = encode(model())
-    for broken in (data[:20], data[:-1], b"x" + data[1:], data[:-13] + b"\0" + data[-12:]):
-        with pytest.raises(ModelError, match=r"^file: "):
-            decode(broken, "file")
-    with pytest.raises(ModelError, match="MAC"):
-        decode(data, "file", KEY)
-    assert decode(encode(model(), key=KEY), "file", KEY).label == Label()

@@ -201,15 +201,6 @@ def test_a_refused_image_is_an_error_with_its_reason() -> None:
     assert client.install_model(model(), OWNER.key).counter == 2
 
 
-def test_no_firmware_is_an_error_that_says_what_to_do() -> None:
-    class Nothing(Direct):
-        def write(self, data: bytes) -> int:
-            return len(data)
-
-    with pytest.raises(HysgenError, match="no answer in 4 tries"):
-        Client(Nothing(owned()), timeout_s=0.001).status()
-
-
 def test_frames_read_back_whatever_they_hold() -> None:
     rng = np.random.default_rng(10)
     for length in (1, 2, 60, 127, 128):

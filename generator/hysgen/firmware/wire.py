@@ -11,7 +11,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
@@ -157,6 +157,3 @@ def pieces(data: bytes, offset: int = 0) -> Iterator[bytes]:
 def image_frames(data: bytes, offset: int = 0) -> Iterator[bytes]:
     """The frames that send `data`, which begins at `offset` of a parameter image."""
     return (command(Command.IMAGE, number, piece) for number, piece in enumerate(pieces(data, offset)))
-
-
-STATUS_BYTES: Final = 4 * len(fields(LinkStatus))

@@ -77,7 +77,8 @@ def _image(file: Path) -> bytes:
 
 def status_table(status: LinkStatus) -> str:
     """The status as rows of name and value."""
-    named = to_json(status) | {"state": State(status.state).name, "status": str(FirmwareStatus(status.status))}
+    bits = FirmwareStatus(status.status).name or "0"
+    named = to_json(status) | {"state": State(status.state).name, "status": bits}
     rows = [[name, f"{value:.6g}" if isinstance(value, float) else str(value)] for name, value in named.items()]
     return table(["firmware", ""], rows)
 

@@ -1,0 +1,440 @@
+"""The functions of both FMUs, called without an importer: values, bits, phases, and every refusal with its words."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures.exported_folders import NAME, model
+from hysgen.codegen import Options
+from hysgen.export import export_texts
+from hysgen.export.check import Reference, inputs
+from hysgen.export.component import MODES
+from hysgen.export.fmu import Variable, fmu_variables
+from hysgen.machine.native import Library, build
+from hysgen.model.status import Status
+
+OK, DISCARD, ERROR = 0, 2, 3
+TS_S = model().Ts_s
+STANDARDS = pytest.mark.parametrize("standard", [2, 3])
+
+SHIM = """#include <stdarg.h>
+#include <stdio.h>
+{include}
+char fmu_said[300];
+static void note({head}, ...)
+{{
+    char text[200];
+    va_list rest;
+
+    va_start(rest, message);
+    (void)vsnprintf(text, sizeof text, message, rest);
+    va_end(rest);
+    (void)snprintf(fmu_said, sizeof fmu_said, "%s|%d|%s|%s", {name}, (int)status, category, text);
+}}
+"""
+SHIM_2 = SHIM.format(
+    include='#include "fmi2Functions.h"',
+    head="fmi2ComponentEnvironment e, fmi2String instance, fmi2Status status, fmi2String category, fmi2String message",
+    name="instance",
+) + (
+    "static const fmi2CallbackFunctions functions = { note, 0, 0, 0, 0 };\n"
+    "void *fmu_callbacks(void) { return (void *)&functions; }\n"
+)
+SHIM_3 = SHIM.format(
+    include='#include "fmi3Functions.h"',
+    head="fmi3InstanceEnvironment e, int status, const char *category, const char *message",
+    name="(const char *)e",
+) + (
+    "static void told(fmi3InstanceEnvironment e, fmi3Status s, fmi3String c, fmi3String m) { note(e, (int)s, c, m); }\n"
+    "void *fmu_callbacks(void) { return (void *)told; }\n"
+)
+SHARED = f"void *fmu_callbacks(void);\nextern char fmu_said[300];\nuint32_t {NAME}_fmu_samples(double);\n"
+STATES = """
+int fmi#Terminate(void *); int fmi#Reset(void *); void fmi#FreeInstance(void *); int fmi#ExitInitializationMode(void *);
+int fmi#Get@(void *, void **); int fmi#Set@(void *, void *); int fmi#Free@(void *, void **);
+int fmi#Serialized@Size(void *, void *, size_t *); int fmi#Serialize@(void *, void *, uint8_t *, size_t);
+int fmi#De$erialize@(void *, const uint8_t *, size_t, void **);
+"""
+DECLARED_2 = """
+void *fmi2Instantiate(const char *, int, const char *, const char *, const void *, int, int);
+int fmi2SetupExperiment(void *, int, double, double, int, double); int fmi2EnterInitializationMode(void *);
+int fmi2GetReal(void *, const uint32_t *, size_t, double *);
+int fmi2SetReal(void *, const uint32_t *, size_t, double *);
+int fmi2GetInteger(void *, const uint32_t *, size_t, int *);
+int fmi2SetInteger(void *, const uint32_t *, size_t, int *);
+int fmi2GetBoolean(void *, const uint32_t *, size_t, int *);
+int fmi2SetBoolean(void *, const uint32_t *, size_t, int *);
+int fmi2GetString(void *, const uint32_t *, size_t, void *);
+int fmi2SetString(void *, const uint32_t *, size_t, void *);
+int fmi2DoStep(void *, double, double, int); int fmi2CancelStep(void *);
+int fmi2GetStatus(void *, int, int *); int fmi2GetIntegerStatus(void *, int, int *);
+int fmi2GetStringStatus(void *, int, void *); int fmi2GetRealStatus(void *, int, double *);
+int fmi2GetBooleanStatus(void *, int, int *); const char *fmi2GetVersion(void); const char *fmi2GetTypesPlatform(void);
+int fmi2GetDirectionalDerivative(void *, void *, size_t, void *, size_t, void *, void *);
+int fmi2SetRealInputDerivatives(void *, void *, size_t, void *, void *);
+int fmi2GetRealOutputDerivatives(void *, void *, size_t, void *, void *);
+int fmi2SetDebugLogging(void *, int, size_t, void *);
+"""
+DECLARED_3 = """
+void *fmi3InstantiateCoSimulation(const char *, const char *, const char *, bool, bool, bool, bool, void *, size_t,
+    void *, void *, void *);
+int fmi3EnterInitializationMode(void *, bool, double, double, bool, double); int fmi3EnterEventMode(void *);
+int fmi3EnterStepMode(void *); int fmi3UpdateDiscreteStates(void *, bool *, bool *, bool *, bool *, bool *, double *);
+int fmi3GetFloat32(void *, const uint32_t *, size_t, float *, size_t);
+int fmi3SetFloat32(void *, const uint32_t *, size_t, float *, size_t);
+int fmi3GetUInt32(void *, const uint32_t *, size_t, uint32_t *, size_t);
+int fmi3SetUInt32(void *, const uint32_t *, size_t, uint32_t *, size_t);
+int fmi3GetBoolean(void *, const uint32_t *, size_t, bool *, size_t);
+int fmi3SetBoolean(void *, const uint32_t *, size_t, bool *, size_t);
+int fmi3DoStep(void *, double, double, bool, bool *, bool *, bool *, double *); const char *fmi3GetVersion(void);
+int fmi3SetDebugLogging(void *, bool, size_t, void *); int fmi3SetTime(void *, double);
+int fmi3GetFloat64(void *, const uint32_t *, size_t, double *, size_t); int fmi3EnterConfigurationMode(void *);
+void *fmi3InstantiateModelExchange(const char *, const char *, const char *, bool, bool, void *, void *);
+"""
+
+
+@functools.cache
+def texts() -> dict[str, str]:
+    return export_texts(model(), "fmu")
+
+
+@functools.cache
+def compiled(standard: int) -> Library:
+    folder = f"sources{standard}/"
+    sources = {path.removeprefix(folder): text for path, text in texts().items() if path.startswith(folder)}
+    states = STATES.replace("#", str(standard)).replace("@", "FMUstate" if standard == 2 else "FMUState")
+    states = states.replace("$", "S" if standard == 2 else "s")
+    declared = SHARED + states + (DECLARED_2 if standard == 2 else DECLARED_3)
+    return build([*sources.items(), ("shim.c", SHIM_2 if standard == 2 else SHIM_3)], declared)
+
+
+@functools.cache
+def token() -> bytes:
+    head = texts()[f"sources2/{NAME}_fmu.h"]
+    return head.partition("_FMU_TOKEN ")[2].partition("\n")[0].strip('"').encode()
+
+
+@functools.cache
+def named() -> dict[str, Variable]:
+    return {variable.name: variable for variable in fmu_variables(model(), Options())}
+
+
+class Fmu:
+    """An instance; methods return the status, `said` is the last message: name, status, category, text."""
+
+    def __init__(self, standard: int, *, events: bool = False, early: bool = False) -> None:
+        self.standard, self.events = standard, events
+        self.ffi, self.lib = compiled(standard).ffi, compiled(standard).lib
+        self.label = self.ffi.new("char []", b"axis 1")
+        call = self.lib.fmu_callbacks()
+        if standard == 2:
+            self.c = self.lib.fmi2Instantiate(self.label, 1, token(), b"", call, 0, 0)
+            self.label[0] = b"?"
+        else:
+            head, tail = (b"axis", token(), b"", False, False), (self.ffi.NULL, 0)
+            self.c = self.lib.fmi3InstantiateCoSimulation(*head, events, early, *tail, self.label, call, self.ffi.NULL)
+        assert self.c != self.ffi.NULL
+        self.lib.fmu_said[0] = b"\0"
+
+    def call(self, name: str, *arguments: Any) -> Any:
+        return getattr(self.lib, f"fmi{self.standard}{name}")(self.c, *arguments)
+
+    @property
+    def said(self) -> str:
+        text = bytes(self.ffi.string(self.lib.fmu_said)).decode()
+        self.lib.fmu_said[0] = b"\0"
+        return text
+
+    def refuses(self, code: int, text: str) -> None:
+        assert (code, self.said) == (ERROR, f"axis 1|{ERROR}|logStatusError|{text}")
+
+    def _kind(self, kind: str) -> tuple[str, str]:
+        if self.standard == 2:
+            return {"float": ("Real", "double"), "word": ("Integer", "int"), "boolean": ("Boolean", "int")}[kind]
+        return {"float": ("Float32", "float"), "word": ("UInt32", "uint32_t"), "boolean": ("Boolean", "bool")}[kind]
+
+    def put(self, kind: str, values: dict[int, float]) -> int:
+        type_, c_type = self._kind(kind)
+        n = len(values)
+        held = self.ffi.new(f"{c_type} []", list(values.values()))
+        return int(self.call(f"Set{type_}", list(values), n, held, *([n] if self.standard == 3 else [])))
+
+    def take(self, kind: str, references: list[int]) -> tuple[int, list[float]]:
+        type_, c_type = self._kind(kind)
+        n = len(references)
+        held = self.ffi.new(f"{c_type} [{n}]")
+        code = self.call(f"Get{type_}", references, n, held, *([n] if self.standard == 3 else []))
+        return int(code), list(held)
+
+    def set(self, **values: float) -> None:
+        for name, value in values.items():
+            assert self.put(named()[name].kind, {named()[name].reference: value}) == OK
+
+    def get(self, name: str) -> float:
+        code, (value,) = self.take(named()[name].kind, [named()[name].reference])
+        assert code == OK
+        return value
+
+    def enter(self) -> None:
+        if self.standard == 2:
+            assert self.call("SetupExperiment", 0, 0.0, 7.0, 0, 0.0) == OK
+            assert self.call("EnterInitializationMode") == OK
+        else:
+            assert self.call("EnterInitializationMode", False, 0.0, 7.0, False, 0.0) == OK
+
+    def begin(self, **values: float) -> int:
+        self.enter()
+        self.set(**values)
+        return int(self.call("ExitInitializationMode"))
+
+    def step(self, samples: float = 1.0, at_s: float = 0.0) -> Any:
+        """Status; and of FMI 3.0 the event, the end, the early return, and the last time."""
+        if self.standard == 2:
+            return self.call("DoStep", at_s, samples * TS_S, 0)
+        flags, last = self.ffi.new("bool [3]", [True] * 3), self.ffi.new("double *")
+        code = self.call("DoStep", at_s, samples * TS_S, False, flags, flags + 1, flags + 2, last)
+        return code, *flags, last[0]
+
+    def steps(self, samples: float = 1.0) -> int:
+        done = self.step(samples)
+        return int(done if self.standard == 2 else done[0])
+
+
+@STANDARDS
+def test_an_fmu_is_instantiated_under_its_own_token_alone(standard: int) -> None:
+    ffi, lib = compiled(standard).ffi, compiled(standard).lib
+    call, null = lib.fmu_callbacks(), ffi.NULL
+    if standard == 2:
+        good = [b"a", 1, token(), b"", call, 0, 0]
+        for at, bad in ((0, null), (1, 0), (2, null), (2, b"{other}"), (4, null)):
+            assert lib.fmi2Instantiate(*good[:at], bad, *good[at + 1 :]) == null
+        assert (ffi.string(lib.fmi2GetVersion()), ffi.string(lib.fmi2GetTypesPlatform())) == (b"2.0", b"default")
+    else:
+        for bad in (null, b"{other}"):
+            rest = (b"", False, False, False, False, null, 0, null, call, null)
+            assert lib.fmi3InstantiateCoSimulation(b"a", bad, *rest) == null
+        assert lib.fmi3InstantiateModelExchange(b"a", token(), b"", False, False, null, call) == null
+        assert ffi.string(lib.fmi3GetVersion()).startswith(b"3.0")
+    Fmu(standard).call("FreeInstance")
+    getattr(lib, f"fmi{standard}FreeInstance")(null)
+
+
+@STANDARDS
+def test_every_variable_starts_with_what_its_description_says_also_after_a_reset(standard: int) -> None:
+    fmu = Fmu(standard)
+    for _ in range(2):
+        for variable in named().values():
+            if variable.start is not None:
+                start = {"true": 1.0, "false": 0.0}.get(variable.start)
+                expected = np.float32(float(variable.start)) if start is None else start
+                assert fmu.get(variable.name) == expected, variable.name
+        assert fmu.get("y_model_um") == fmu.get("y0_um") == fmu.get("y_um")
+        assert fmu.get("u_command_V") == fmu.get("u0_V") == fmu.get("u_V")
+        assert fmu.begin(y0_um=fmu.get("y0_um") + 0.125, u0_V=30.5, commit=True) == OK
+        assert fmu.get("u_command_V") == 30.5
+        fmu.set(u_V=41.0, y_um=2.0)
+        if standard == 3:
+            fmu.call("EnterStepMode")
+        assert fmu.steps(3) == OK
+        assert fmu.call("Reset") == OK
+        assert fmu.steps() == ERROR
+
+
+@STANDARDS
+@pytest.mark.parametrize("mode", MODES, ids=lambda mode: mode.name)
+def test_each_mode_has_the_bits_of_the_component(mode: Any, standard: int) -> None:
+    reference = Reference.compile(model(), Options())
+    samples = inputs(reference, mode, 600)
+    fmu = Fmu(standard)
+    assert fmu.begin(mode=mode.number, y0_um=float(samples.y0_um), u0_V=float(samples.u0_V)) == OK
+    value, result = ("y_next_um", "u_command_V") if mode.name == "inverse" else ("u_V", "y_model_um")
+    channels = [each.reference for each in named().values() if each.member.startswith("aux[")]
+    out, answers = np.empty((600, 2), np.uint32), set()
+    for k, row in enumerate(samples.rows[:, :-1].copy().view(np.float32).astype(float).tolist()):
+        fmu.put("float", dict(zip([named()["y_um"].reference, named()[value].reference, *channels], row, strict=True)))
+        fmu.set(commit=bool(samples.commit[k]))
+        assert fmu.steps() == OK
+        out[k] = np.float32(fmu.get(result)).view(np.uint32), int(fmu.get("status")) & 0xFFFFFFFF
+        answers.add(int(fmu.get("answer")))
+    assert np.array_equal(out, reference.run(samples))
+    assert answers >= {0, 1} if mode.name == "learn" else answers == {0}
+
+
+@STANDARDS
+def test_an_input_beyond_its_range_shows_as_the_accepted_one_and_as_a_bit(standard: int) -> None:
+    fmu = Fmu(standard)
+    assert fmu.begin() == OK
+    assert (fmu.get("u_clamped"), fmu.get("status")) == (0, 0)
+    fmu.set(u_V=1e6)
+    assert fmu.steps() == OK
+    assert fmu.get("u_command_V") == np.float32(model().u_max_V)
+    assert int(fmu.get("status")) & Status.U_CLAMPED
+    bits = {name: fmu.get(name) for name, each in named().items() if each.mask}
+    assert bits == {name: bool(int(fmu.get("status")) & int(named()[name].mask[:-1], 16)) for name in bits}
+    assert bits["u_clamped"]
+    assert not all(bits.values())
+
+
+@STANDARDS
+def test_a_step_is_a_whole_number_of_samples_within_a_millionth(standard: int) -> None:
+    fmu, lib = Fmu(standard), compiled(standard).lib
+    samples = getattr(lib, f"{NAME}_fmu_samples")
+    for n in (1, 2, 3, 1000, 4_000_000_000):
+        for part in (1.0, 1.0 + 0.9e-6, 1.0 - 0.9e-6):
+            assert samples(n * TS_S * part) == pytest.approx(n * part, rel=2e-9, abs=1e-3)
+        for part in (1.0 + 1.2e-6, 1.0 - 1.2e-6):
+            assert samples(n * TS_S * part) in (0, round(n * part) if n > 400_000 else 0)
+    for wrong in (0.0, -1.0, 0.4, 0.5, 1.5, 4294967296.0, 1e300, float("nan"), float("inf")):
+        assert samples(wrong * TS_S) == 0, wrong
+    single = Fmu(standard)
+    for each in (fmu, single):
+        assert each.begin() == OK
+        each.set(u_V=77.0)
+    assert [single.steps() for _ in range(5)] == [OK] * 5
+    assert fmu.steps(5) == OK
+    assert fmu.get("y_model_um") == single.get("y_model_um") != fmu.get("y0_um")
+    fmu.refuses(fmu.steps(1.5), f"fmi{standard}DoStep: the step is no multiple of {1e6 * TS_S:g} us")
+    assert fmu.get("y_model_um") == single.get("y_model_um")
+
+
+@STANDARDS
+def test_a_step_before_the_initialisation_and_after_the_end_is_refused(standard: int) -> None:
+    fmu = Fmu(standard)
+    words = f"fmi{standard}DoStep: " + ("not initialised" if standard == 2 else "not in step mode")
+    fmu.refuses(fmu.steps(), words)
+    fmu.enter()
+    fmu.refuses(fmu.steps(), words)
+    assert fmu.begin() == OK
+    assert fmu.steps() == OK
+    assert fmu.call("Terminate") == OK
+    fmu.refuses(fmu.steps(), words)
+    other = Fmu(standard)
+    other.refuses(other.begin(mode=9), "the model does not have this mode")
+
+
+@STANDARDS
+def test_variables_are_reached_by_kind_in_order_and_only_inputs_and_parameters_are_set(standard: int) -> None:
+    fmu, prefix = Fmu(standard), f"fmi{standard}"
+    y, u = named()["y_um"].reference, named()["u_V"].reference
+    assert fmu.put("float", {u: 33.5, y: 1.25}) == OK
+    assert fmu.take("float", [y, u]) == (OK, [1.25, 33.5])
+    for value in (1, 0):
+        fmu.set(commit=value)
+        assert fmu.get("commit") == value
+    fmu.set(mode=3)
+    assert fmu.get("mode") == 3
+    assert fmu.said == ""
+    words = {"float": "Real" if standard == 2 else "Float32", "word": "Integer" if standard == 2 else "UInt32"}
+    outputs = {"float": "y_model_um", "word": "status", "boolean": "u_clamped"}
+    for kind, name in (*words.items(), ("boolean", "Boolean")):
+        setting = "no such input" if kind == "boolean" else "no such parameter or input"
+        others = [each.reference for each in named().values() if each.kind != kind and each.name != "commit"]
+        for wrong in (0, len(named()) + 1, 10_000, *others):
+            fmu.refuses(fmu.take(kind, [wrong])[0], f"{prefix}Get{name}: no such variable")
+            fmu.refuses(fmu.put(kind, {wrong: 1}), f"{prefix}Set{name}: {setting}")
+        fmu.refuses(fmu.put(kind, {named()[outputs[kind]].reference: 1}), f"{prefix}Set{name}: {setting}")
+    assert fmu.take("float", []) == (OK, [])
+
+
+@STANDARDS
+def test_a_state_is_kept_restored_and_serialised_whole(standard: int) -> None:
+    fmu, upper = Fmu(standard), "FMUstate" if standard == 2 else "FMUState"
+    assert fmu.begin() == OK
+    fmu.set(u_V=50.0)
+    assert fmu.steps(20) == OK
+    kept = fmu.ffi.new("void **")
+    assert fmu.call(f"Get{upper}", kept) == OK
+    at, first = kept[0], fmu.get("y_model_um")
+    assert fmu.steps(5) == OK
+    ahead = fmu.get("y_model_um")
+    size = fmu.ffi.new("size_t *")
+    assert fmu.call(f"Serialized{upper}Size", at, size) == OK
+    data = fmu.ffi.new("uint8_t []", size[0] + 1)
+    data[size[0]] = 77
+    fmu.refuses(fmu.call(f"Serialize{upper}", at, data, size[0] - 1), f"fmi{standard}Serialize{upper}: too few bytes")
+    assert fmu.call(f"Serialize{upper}", at, data, size[0]) == OK
+    assert data[size[0]] == 77
+    name = f"De{'S' if standard == 2 else 's'}erialize{upper}"
+    back = fmu.ffi.new("void **")
+    for wrong in (size[0] - 1, size[0] + 1):
+        fmu.refuses(fmu.call(name, data, wrong, back), f"fmi{standard}{name}: bytes of another FMU")
+        assert back[0] == fmu.ffi.NULL
+    assert fmu.call(name, data, size[0], back) == OK
+    for state in (at, back[0]):
+        assert fmu.call(f"Set{upper}", state) == OK
+        assert fmu.get("y_model_um") == first
+        assert fmu.steps(5) == OK
+        assert fmu.get("y_model_um") == ahead
+    assert fmu.call(f"Get{upper}", kept) == OK
+    assert kept[0] == at, "the memory of a state is used again"
+    assert fmu.call(name, data, size[0], kept) == OK
+    assert kept[0] == at
+    assert fmu.call(f"Set{upper}", at) == OK
+    assert fmu.get("y_model_um") == first
+    assert (fmu.call(f"Free{upper}", kept), kept[0]) == (OK, fmu.ffi.NULL)
+    assert (fmu.call(f"Free{upper}", kept), kept[0]) == (OK, fmu.ffi.NULL)
+
+
+def test_fmi_2_says_the_last_time_and_refuses_what_it_does_not_offer() -> None:
+    fmu = Fmu(2)
+    assert fmu.begin() == OK
+    time, flag = fmu.ffi.new("double *"), fmu.ffi.new("int *", 5)
+    assert (fmu.call("GetRealStatus", 2, time), time[0]) == (OK, 7.0)
+    assert fmu.step(4, at_s=8.0) == OK
+    assert (fmu.call("GetRealStatus", 2, time), time[0]) == (OK, 8.0 + 4 * TS_S)
+    assert (fmu.call("GetBooleanStatus", 3, flag), flag[0]) == (OK, 0)
+    for kind in (0, 1, 2, 3):
+        codes = [fmu.call(f"Get{name}Status", kind, flag) for name in ("", "Integer")]
+        assert [*codes, fmu.call("GetStringStatus", kind, fmu.ffi.NULL)] == [DISCARD] * 3
+    assert [fmu.call("GetRealStatus", kind, time) for kind in (0, 1, 3)] == [DISCARD] * 3
+    assert [fmu.call("GetBooleanStatus", kind, flag) for kind in (0, 1, 2)] == [DISCARD] * 3
+    null = fmu.ffi.NULL
+    assert fmu.call("SetDebugLogging", 1, 0, null) == OK
+    for name in ("GetString", "SetString"):
+        assert fmu.call(name, [1], 0, null) == OK
+        fmu.refuses(fmu.call(name, [1], 1, null), f"fmi2{name}: no such variable")
+    fmu.refuses(fmu.call("CancelStep"), "no step is pending")
+    fmu.refuses(
+        fmu.call("GetDirectionalDerivative", null, 0, null, 0, null, null), "directional derivatives are not provided"
+    )
+    words = "inputs are held over a sample: they have no derivatives"
+    fmu.refuses(fmu.call("SetRealInputDerivatives", null, 0, null, null), words)
+    fmu.refuses(fmu.call("GetRealOutputDerivatives", null, 0, null, null), "outputs have no derivatives")
+
+
+@pytest.mark.parametrize(("events", "early"), [(True, True), (True, False), (False, True), (False, False)])
+def test_a_status_bit_of_fmi_3_is_an_event_where_events_are_used_and_ends_the_step_where_it_may(
+    events: bool, early: bool
+) -> None:
+    fmu = Fmu(3, events=events, early=early)
+    assert fmu.begin() == OK
+    if events:
+        fmu.refuses(fmu.step()[0], "fmi3DoStep: not in step mode")
+        flags, time = fmu.ffi.new("bool [5]", [True] * 5), fmu.ffi.new("double *")
+        assert fmu.call("UpdateDiscreteStates", *(flags + i for i in range(5)), time) == OK
+        assert list(flags) == [False] * 5
+        assert fmu.call("EnterStepMode") == OK
+    assert fmu.step(10, at_s=1.0) == (OK, False, False, False, 1.0 + 10 * TS_S)
+    fmu.set(u_V=1e6)
+    ends = events and early
+    last = 2.0 + (1 if ends else 10) * TS_S
+    assert fmu.step(10, at_s=2.0) == (OK, events, False, ends, pytest.approx(last, rel=1e-12))
+    assert fmu.get("u_clamped") == (not events)
+    if events:
+        assert fmu.call("EnterEventMode") == OK
+        assert fmu.get("u_clamped")
+        fmu.refuses(fmu.step()[0], "fmi3DoStep: not in step mode")
+        assert fmu.call("EnterStepMode") == OK
+        assert fmu.step(2, at_s=3.0)[1:4] == (False, False, False), "what is shown is no event again"
+
+
+def test_fmi_3_refuses_what_it_does_not_offer_by_name() -> None:
+    fmu = Fmu(3)
+    fmu.refuses(fmu.call("SetTime", 1.0), "fmi3SetTime: not offered")
+    fmu.refuses(fmu.call("EnterConfigurationMode"), "fmi3EnterConfigurationMode: not offered")
+    fmu.refuses(fmu.call("GetFloat64", [1], 1, fmu.ffi.new("double *"), 1), "fmi3GetFloat64: not offered")
+    assert fmu.call("SetDebugLogging", True, 0, fmu.ffi.NULL) == OK
