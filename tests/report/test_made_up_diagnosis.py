@@ -310,6 +310,7 @@ def test_uncertainty_section_has_the_budget_and_the_removed_errors() -> None:
     assert cells(section)[0] == ["sensor", "B", "0.003", "inf", "36.0 %", "data sheet"]
     assert list(section.tables[0].numbers) == [3, 4, 5]
     assert cells(section, 1) == [["creep", "0.0123"]]
+    assert list(section.tables[1].numbers) == [2]
     assert section.notes[0] == "Not known: drift."
     found.removed = ()
     assert len(uncertainty_section(found).tables) == 1
@@ -393,6 +394,11 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     assert (facts["command"], facts["record"]) == ("hysgen diagnose a.csv", "a.csv")
     assert (facts["identified on"], facts["scored on"]) == ("rows 0 to 359", "rows 360 to 599")
     assert facts["sampling period"] == "1000 µs"
+    numbers = {table.caption or head: list(table.numbers) for head, one in by_title.items() for table in one.tables}
+    assert {name: columns for name, columns in numbers.items() if columns} == {
+        ladder.title: [2, 3, 4, 5, 6, 7, 8], "Cost against budget": [2, 3, 4, 5],
+        "Generated C against its reference": [3, 4],
+    }  # fmt: skip
     empty = {one.title: one for one in diagnosis_page(study(), proof=(EQUAL, COST)).sections}
     assert empty["Causes and their evidence"].text[0].startswith("None: the error of the paper's model is not above")
     assert [table.caption for table in empty["Causes and their evidence"].tables] == ["What this record can tell"]
@@ -429,6 +435,7 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
         ["a, free run", "0.40000"], ["b, free run", "0.30000"], ["a, one step", "0.02000"], ["b, one step", "0.00500"],
         ["persistence, one step", "0.07000"], ["line, free run", "0.90000"],
     ]  # fmt: skip
+    assert list(page.sections[0].tables[0].numbers) == [2, 3, 4, 5]
     notes = page.sections[0].notes
     assert "below it" in notes[0]
     assert list(notes[1:3]) == ["Warning: a is odd.", "Warning: b is odd."]
@@ -552,12 +559,8 @@ def test_shares_are_stacked_over_the_time_of_the_record() -> None:
     assert [band.get_label() for band in axis.collections] == ["noise", "not explained", "periodic", "creep"]
     assert (axis.get_xlim(), axis.get_ylim()) == ((0.0, pytest.approx(0.6)), (0.0, 100.0))
     assert axis.lines[0].get_xdata()[0] == text_of(axis)["held out"].xy[0] == pytest.approx(0.36)
-    assert [text.get_text() for text in axis.get_legend().get_texts()] == [
-        "creep",
-        "periodic",
-        "not explained",
-        "noise",
-    ]
+    legend = [text.get_text() for text in picture.figure.legends[0].get_texts()]
+    assert legend == ["creep", "periodic", "not explained", "noise"]
     assert picture.alt.endswith("held-out part: noise 0 %, not explained 4 %, periodic 84 %, creep 12 %.")
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("time [s]", "share of the error's power [%]")
     # Held-out rows alone count in the words.

@@ -85,7 +85,7 @@ def model_page(
         sections=[
             PageSection(
                 "Scores",
-                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
+                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()), left=1)],
                 notes=[
                     f"{min(scored.scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
                     *(f"Warning: {line}." for s in scored.scores.values() for line in s.warnings),
