@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fixtures.ends import Ends
+from hysgen.errors import HysgenError
+from hysgen.firmware.host import State
+from hysgen.model.model import Grid, Model
+from hysgen.record import Record
 from hysgen_lab.firmware import tracking
-from hysgen_lab.firmware.tracking import TrackingResult
+from hysgen_lab.firmware.tracking import Controller, TrackingResult
 from hysgen_lab.stage import CouplingEffect, CreepEffect, PeriodicEffect, ResonanceEffect, Stage
 from hysgen_lab.stage.effects import Setting
 from hysgen_lab.stage.effects.gain_step import GainStepEffect
@@ -73,12 +78,14 @@ def test_a_scenario_of_a_family_is_drawn_between_its_ends(
     place: float, end: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(np.random, "default_rng", lambda *_: Ends(place))
+    monkeypatch.setattr(families, "_lagging", lambda values, lag_s, _: np.full(len(values), lag_s))
     made = family_scenario("bouc-wen", "coupling", 5)
     stage, last = made.stage, int(place)
     assert (made.Ts_s, len(made.u_V)) == ((1 / 500.0, 9000), (1 / 50e3, 12_000))[last]
     assert (stage.dac_low_V, stage.dac_high_V, stage.dac_bits) == (-60.0, 160.0, (12, 18)[last])
     assert (stage.history_V, stage.zero_V) == ((end["low_V"], end["high_V"], end["low_V"]), end["low_V"])
     assert stage.lag_s == pytest.approx(end["lag"] * made.Ts_s)
+    assert (stage.adc_bits, stage.sensor_step_um) == (0, 0.0)
     assert stage.noise is not None
     white_um = end["noise"] * end["stroke_um"]
     assert (stage.noise.white_um, stage.noise.flicker_um) == pytest.approx((white_um, 0.5 * place * white_um))
@@ -89,6 +96,7 @@ def test_a_scenario_of_a_family_is_drawn_between_its_ends(
     assert coupling.um_per_unit["axis2_V"] == pytest.approx((-size, size)[last])
     # Below one half the channel is shown behind a lag.
     assert (made.logged["axis2_V"] is made.aux["axis2_V"]) == (place > 0.5)
+    assert place > 0.5 or made.logged["axis2_V"][0] == pytest.approx(0.0003 * 9000 / 500)
     assert family_scenario("bouc-wen", "none", 5).stage.memory != stage.memory
 
 
@@ -311,6 +319,11 @@ def test_learning_is_judged_after_two_seconds_of_a_gain_lost_by_a_tenth() -> Non
     assert pytest.approx(10 / 120) == learning.DATASHEET_UM_PER_V
     assert pytest.approx(math.exp(-0.02)) == learning.DATASHEET_POLE
     assert pytest.approx(200) == learning.OBSERVED_S / learning.COMMIT_PERIOD_S
+    constant = Model("m", 2e-5, Grid(0.0, 9.0, 2), np.array([[0.0, 0.0, 3.0]] * 2), 0.0, 90.0)
+    reading = np.where(np.arange(1500) < 1000, 0.0, 7.0)
+    record = Record.from_arrays(np.linspace(0.0, 90.0, 1500), reading, 2e-5)
+    # The first 20 ms, 1000 samples, do not count.
+    assert learning._free_run_rms_um(constant, record) == pytest.approx(4.0)
     y_um = np.array([1.0, 2.0, 3.0, 6.0])
     made = [cast(Any, learning.DISTURBANCES[name])(y_um) for name in others]
     np.testing.assert_allclose(made[0], [5.0, 4.0, 3.0, 0.0])
@@ -338,6 +351,65 @@ def test_tracking_by_the_firmware_is_scored_from_the_end_of_the_rest_on() -> Non
     text = tracking_table([one], 0.52).splitlines()
     assert text[2].split() == ["50", "Hz,", "trim", "1.23", "-0.50", "1.10", "0.90", "10.0", "..", "60.1", "3"]
     assert text[3] == "sensor: 0.52 nm rms; the paper's own stage, by its inverse: 18.6 nm at 50 Hz, 15.2 nm at 100 Hz"
+
+
+class Perfect:
+    """Firmware whose stage reaches each wanted displacement one sample later."""
+
+    state, status, commits = State.TRACK, "OK", 3
+
+    def __init__(self, *_: object) -> None:
+        self.firmware, self.wanted_um = self, list[float]()
+
+    def start(self, y_um: float) -> None:
+        self.wanted_um.append(y_um)
+
+    def run(self, piece_um: Any) -> SimpleNamespace:
+        self.wanted_um += list(piece_um)
+        reading_um, self.wanted_um = np.array(self.wanted_um[:-1]), self.wanted_um[-1:]
+        return SimpleNamespace(reading_um=reading_um, output_V=10.0 * reading_um)
+
+
+def test_a_controller_gets_the_reference_one_sample_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+    model: Any = SimpleNamespace(name="made_up", blocks=())
+    monkeypatch.setattr(tracking, "HostImage", SimpleNamespace(compile=lambda *_: None))
+    monkeypatch.setattr(tracking, "firmware_model", lambda _: {})
+    monkeypatch.setattr(tracking, "at_rest", lambda _: None)
+    monkeypatch.setattr(tracking, "HostFirmware", Perfect)
+    told: list[tuple[float, str]] = []
+    given = Controller("trim", model, cast(Any, None), np.zeros(1))
+    found = tracking.run_controller(given, 50.0, 2.0, lambda fraction, what: told.append((fraction, what)))
+    # float32 holds 2 um to 0.2 nm.
+    assert (found.rms_nm, found.mean_nm, found.last_nm) == pytest.approx((0.0, 0.0, 0.0), abs=0.2)
+    assert found.voltage_V == pytest.approx((14.0, 26.0))
+    assert (found.controller, found.f_Hz, found.commits, found.status) == ("trim", 50.0, 3, "OK")
+    assert told == [(0.0, "trim, 50 Hz"), (0.5, "trim, 50 Hz")]
+    monkeypatch.setattr(Perfect, "state", State.TRIPPED)
+    with pytest.raises(HysgenError, match="trim: the image does not start"):
+        tracking.run_controller(given, 50.0, 1.0)
+
+
+def test_every_controller_runs_at_every_frequency_and_the_progress_rises(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = TrackingResult("trim", 50.0, 1.0, 0.0, 1.0, 1.0, (1.0, 2.0), 3, "OK")
+
+    def run(controller: str, f_Hz: float, seconds: float, progress: Any) -> TrackingResult:
+        progress(0.5, controller)
+        return dataclasses.replace(one, controller=controller, f_Hz=f_Hz, rms_nm=seconds)
+
+    monkeypatch.setattr(
+        tracking, "_proportional", lambda f_Hz, seconds: run("proportional", f_Hz, seconds, lambda *_: 0)
+    )
+    monkeypatch.setattr(tracking, "controllers", lambda _: ["a", "b", "c", "d"])
+    monkeypatch.setattr(tracking, "run_controller", run)
+    told: list[float] = []
+    results, _ = tracking.track(4.0, lambda fraction, _: told.append(fraction))
+    assert [(each.f_Hz, each.controller) for each in results] == [
+        (f_Hz, name) for f_Hz in (50.0, 100.0) for name in ("proportional", "a", "b", "c", "d")
+    ]
+    assert told == pytest.approx([0.0, 0.15, 0.25, 0.35, 0.45, 0.5, 0.65, 0.75, 0.85, 0.95])
+    model: Any = SimpleNamespace(u_min_V=-10.0, u_max_V=90.0)
+    chosen = tracking.settings_for(model)
+    assert (chosen.loop_low_V, chosen.loop_middle_V, chosen.loop_high_V) == (-10.0, 40.0, 90.0)
 
 
 def test_coverage_is_the_mean_over_stages_with_its_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
