@@ -448,6 +448,7 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     titles = [section.title for section in page.sections]
     assert titles[3:5] == ["Generated C against its reference", "Cost against budget"]
     assert len(model_page("", shown).sections) == len(titles) - 2
+    assert len(model_page("", shown, EQUAL).sections) == len(titles)
     provenance = dict(cells(page.sections[-1]))
     assert (provenance["command"], provenance["model"].split(",")[0]) == ("command", "other")
     estimate = dataclasses.replace(COST, per_sample=Cycles(300, False))

@@ -81,6 +81,8 @@ def test_numbers_of_effects_never_change_and_order_them() -> None:
     """Ranks seed the jumps, numbers of the bank seed its scenarios."""
     known = {name: (kind.rank, kind.most, kind.bank_index) for name, kind in effects().items()}
     assert known == {name: (r, m, None if name == "memory" else b) for name, (r, m, b) in NUMBERS.items()}
+    # Of the paper's sensor: 0.5 nm rms, white.
+    assert effects()["noise"]() == effects()["noise"](0.0005, 0.0)  # type: ignore[call-arg]
     unknown = {"bandwidth", "stick_slip", "noise", "jumps", "chirp", "gain_step"}
     assert {name for name, kind in effects().items() if not kind.in_vocabulary} == unknown
     assert {name for name, kind in effects().items() if kind.needs_channel} == {"coupling"}
