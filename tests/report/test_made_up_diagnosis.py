@@ -15,6 +15,7 @@ import pytest
 import scipy
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
+from matplotlib.ticker import ScalarFormatter
 
 from fixtures.random_models import random_model
 from fixtures.term_models import model_with
@@ -48,6 +49,7 @@ from hysgen.report.sections import (
     TERMS,
     cost_section,
     equivalence_section,
+    glossary_section,
     model_section,
     provenance_section,
     uncertainty_section,
@@ -316,6 +318,11 @@ def test_uncertainty_section_has_the_budget_and_the_removed_errors() -> None:
     assert len(uncertainty_section(found).tables) == 1
 
 
+def test_glossary_has_every_word_with_its_meaning() -> None:
+    assert cells(glossary_section()) == [list(term) for term in TERMS]
+    assert list(glossary_section().tables[0].header) == ["word", "meaning"]
+
+
 def test_provenance_lists_facts_settings_and_versions() -> None:
     made = dataclasses.replace(model(), history={"fit": {"rules": 2, "terms": ["x"], "blocks": [], "method": "batch"}})
     rows = cells(provenance_section(made, [("record", "a.csv")]))
@@ -499,6 +506,7 @@ def test_profiles_have_gaps_decades_and_directions() -> None:
     assert [list(step.values) for step in heights] == [[0.1, 0.5], pytest.approx([0.02, 0.1])]
     assert list(heights[0].edges) == [0.0, 50.0, 100.0]
     assert axes[0].get_ylim() == pytest.approx((0.01, 1.0))
+    assert isinstance(axes[0].xaxis.get_major_formatter(), ScalarFormatter)
     assert axes[0].get_xlabel() == "level of the input [V]"
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == [BASE, LABEL]
     assert [tick.get_text() for tick in axes[1].get_xticklabels()] == ["down", "still", "up"]

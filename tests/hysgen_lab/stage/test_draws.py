@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any, cast
 
@@ -11,12 +12,14 @@ import pytest
 from fixtures.ends import Ends
 from hysgen_lab.stage import Stage, effects
 from hysgen_lab.stage.effects import Setting, StageError
-from hysgen_lab.stage.effects.base import Tolerance
-from hysgen_lab.stage.effects.memory import BoucWen, Density, Preisach, Relays, draw_curve, draw_hysteresis
-from hysgen_lab.stage.families import FAMILIES
+from hysgen_lab.stage.effects.base import Period, Tolerance
+from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Preisach, Relays, draw_curve, draw_hysteresis
+from hysgen_lab.stage.families import FAMILIES, commands
 from hysgen_lab.stage.families.base import around, scattered
 from hysgen_lab.stage.families.bouc_wen import RisingBoucWen
+from hysgen_lab.stage.families.jiles_atherton import JilesAtherton
 from hysgen_lab.stage.families.plants import DRAWN, IDENTIFY, _Setting, plant
+from hysgen_lab.stage.families.random_relays import RandomRelays
 from hysgen_lab.stage.families.thermal import ThermalHysterons
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
@@ -260,3 +263,169 @@ def test_hysteresis_of_the_bank_is_drawn_between_its_ends() -> None:
         v = (curve.low_V + curve.step_V * np.arange(201)) / 120.0
         np.testing.assert_allclose(curve.w_um, 10.0 * v + bend * v * (1 - v), atol=1e-12)
         assert (v[0], v[-1]) == (-0.5, 1.5)
+
+
+LIMITS: dict[str, tuple[list[tuple[Any, ...]], list[tuple[Any, ...]]]] = {
+    "aging": ([(0.1, 1e-9)], [(0.1, 0.0)]),
+    "bandwidth": ([(1e-9,), (1.0, 1), (1.0, 2, 1e-9)], [(0.0,), (1.0, 0), (1.0, 3), (1.0, 2, 0.0)]),
+    "chirp": ([(1.0, 2.0, 1e-9, 1.0)], [(1.0, 2.0, 0.0, 1.0)]),
+    "coupling": ([({"a": 0.0},)], [({},), ({"a": math.inf},)]),
+    "creep": ([(0.1, 1e-9, 2e-9)], [(0.1, 0.0, 1.0), (0.1, 1.0, 1.0), (0.1, 0.1, 1.0, math.nan)]),
+    "delay": ([(0.0, 0.0)], [(-1e-9, 0.0), (0.0, -1e-9)]),
+    "drift": ([(-1.0, 0.0)], [(0.0, -1e-9)]),
+    "gain_step": ([(-0.999, 0.0)], [(-1.0, 0.0)]),
+    "jumps": ([(0.0, 1.0), (0.999, 1.0)], [(-1e-9, 1.0), (1.0, 1.0)]),
+    "noise": ([(0.0, 0.0)], [(-1e-9, 0.0), (0.0, -1e-9)]),
+    "outliers": ([(0.0, 1.0), (0.999, 1.0)], [(-1e-9, 1.0), (1.0, 1.0)]),
+    "periodic": ([(1e-9, 1.0)], [(0.0, 1.0)]),
+    "resonance": ([(1e-9, 1e-9), (1.0, 0.999)], [(0.0, 0.1), (1.0, 0.0), (1.0, 1.0)]),
+    "saturation": ([(1.0, 1.001)], [(1.0, 1.0)]),
+    "slew": ([(1e-9,)], [(0.0,)]),
+    "stick_slip": ([(1e-9, 0.0, 0.0), (1.0, 0.999, 0.999)], [(0.0,), *((1.0, *at) for at in (
+        (1.0, 0.5), (-1e-9, 0.5), (0.5, 1.0), (0.5, -1e-9)))]),
+}  # fmt: skip
+OTHER_LIMITS: list[tuple[Any, list[tuple[Any, ...]], list[tuple[Any, ...]]]] = [
+    (Density, [(5.001, 0.0, 0.0, 5.001)], [(5.0,), (9.0, 0.0, 0.0, 5.0)]),
+    (Preisach, [(Density(), 0.001), (Density(), 0.999)], [(Density(), 0.0), (Density(), 1.0)]),
+    (Relays, [(Density(), 0.001, 2), (Density(), 0.999, 2000)],
+     [(Density(), 0.0), (Density(), 1.0), (Density(), 0.3, 1), (Density(), 0.3, 2001)]),
+    (BoucWen, [(1e-9, 1e-9, 0.5, 1.0), (1.0, 1.0, 1.0)],
+     [(0.0,), (1.0, 0.0), (1.0, 1.0, 0.499), (1.0, 1.0, 1.001), (1.0, 1.0, 0.6, 0.999)]),
+    (Curve, [(0.0, 1e-9, (0.0, 1.0))], [(0.0, 0.0, (0.0, 1.0)), (0.0, 1.0, (0.0,))]),
+    # 0.2 / (3 25) + 2 0.8 / 20 = 0.08267 a volt of coupling.
+    (lambda at: JilesAtherton(0.0, 1.0, coupling_V=at), [(12.096,)], [(12.097,)]),
+    (Stage, [(1e-9, 1e-9, 0.0)],
+     [(0.0,), (1.0, 0.0), (1.0, 1.0, -1e-9), (1.0, 1.0, math.inf), (1.0, 1.0, 0.0, 1.0, 1.0)]),
+    (lambda low, high: Stage(adc_low_um=low, adc_high_um=high), [(1.0, 1.001)], [(1.0, 1.0)]),
+    (lambda at: Stage(zero_V=at), [(-1e9,)], [(math.nan,)]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "accepted", "refused"), [*((effects()[name], *ends) for name, ends in LIMITS.items()), *OTHER_LIMITS]
+)
+def test_parts_of_a_stage_are_accepted_up_to_their_limits(kind: Any, accepted: list[Any], refused: list[Any]) -> None:
+    for values in accepted:
+        kind(*values)
+    for values in refused:
+        with pytest.raises(StageError):
+            kind(*values)
+
+
+@pytest.mark.parametrize(
+    ("made", "text"),
+    [
+        (Preisach(), "density=Density(decay_V=40.0, on_V=60.0, off_V=20.0, width_V=65.0), irreversible=0.38"),
+        (BoucWen(), "loop_um=0.75, reach_V=18.0, balance=0.6, exponent=1.0"),
+        (
+            RisingBoucWen(0, 1),
+            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, reach_V=20.0, balance=0.6, exponent=1.5",
+        ),
+        (
+            JilesAtherton(0, 1),
+            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, centre_V=50.0, shape_V=25.0, pinning_V=20.0, "
+            "coupling_V=5.0, reversible=0.2",
+        ),
+        (
+            RandomRelays(0, 1),
+            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, bias_shape=(1.5, 1.5), coercive_V=10.0, "
+            "coercive_shape=1.2, pinched=0.0, seed=0",
+        ),
+        (
+            ThermalHysterons(0, 1),
+            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, bias_shape=(1.5, 1.5), coercive_V=30.0, "
+            "coercive_spread=0.5, barrier=70.0, barrier_spread=0.4, attempt_per_s=1000000000.0, hold_s=0.001, "
+            "substep_s=0.001, seed=0",
+        ),
+        (Stage.laboratory().others[0], "f_Hz=10000.0, order=1, zeta=0.7"),
+    ],
+)
+def test_parts_that_are_not_stated_are_those_of_the_documented_stage(made: object, text: str) -> None:
+    assert repr(made) == f"{type(made).__name__}({text})"
+
+
+def test_no_number_of_an_effect_may_be_missing() -> None:
+    for name in LIMITS:
+        if name != "coupling":
+            drawn = effects()[name](*LIMITS[name][0][0])  # type: ignore[call-arg]
+            for field in dataclasses.fields(cast(Any, drawn)):
+                with pytest.raises(StageError):
+                    dataclasses.replace(cast(Any, drawn), **{field.name: math.nan})
+
+
+def test_constants_of_effects_are_those_of_the_plants_equations() -> None:
+    period = Period(1e-3, np.array([2e-4, 8e-4]), 5e-3)
+    keep = effects()["noise"].constants([], period)["flicker_keep"]
+    np.testing.assert_allclose(cast(Any, keep), np.exp(-2e-3 * math.pi * 10.0 ** np.arange(-3, 5)))
+    line = effects()["periodic"](40.0, 0.2, 0.1)  # type: ignore[call-arg]
+    found = cast(Any, effects()["periodic"].constants([line, line], period))
+    assert found["lines"] == 2
+    assert [list(found[name]) for name in ("line_Hz", "line_um", "line_rad")] == [[40.0] * 2, [0.2] * 2, [0.1] * 2]
+    for name, wanted in (
+        ("aging", {"age_fraction": 0.0, "age_s": 1.0}), ("drift", {"drift_um_per_s": 0.0, "walk_um_per_rt_s": 0.0}),
+        ("outliers", {"outlier_rate": 0.0, "outlier_um": 0.0}), ("slew", {}), ("stick_slip", {}), ("creep", {}),
+        ("saturation", {"clip_low_V": -math.inf, "clip_high_V": math.inf}),
+    ):  # fmt: skip
+        assert effects()[name].constants([], period) == wanted
+    with pytest.raises(StageError, match="no closed form"):
+        effects()["creep"](0.1, 1.0, 2.0, 0.1).moved(np.ones(1))  # type: ignore[call-arg, attr-defined]
+
+
+def test_a_mesh_holds_the_integral_of_its_density() -> None:
+    made = FAMILIES["preisach"](0.0, 100.0, height_um=2.0, groups=((0.3, 40.0, 20.0, 0.2, 10.0, 0.5),))  # type: ignore[call-arg]
+    scalars, arrays = made.equation()
+    assert scalars == {"grid_low_V": -20.0, "grid_step_V": pytest.approx(0.25), "grid_n": 561}
+    at_V = -20.0 + 140.0 * (np.arange(700) + 0.5) / 700
+    alpha_V, beta_V = np.meshgrid(at_V, at_V, indexing="ij")
+    c, h = (alpha_V + beta_V) / 2, np.abs(alpha_V - beta_V) / 2
+    s = np.maximum(h / 10.0, 1e-9)
+    mu = 0.3 * np.exp(-((c - 40.0 - 0.2 * h) ** 2) / (2 * 20.0**2)) * np.exp(-(np.log(s) ** 2) / (2 * 0.5**2)) / s
+    assert arrays["corner"].shape == (561, 561)
+    # Sums of 700 and 1120 points along an axis differ by 0.1 %.
+    assert arrays["corner"][-1, -1] == pytest.approx(2.0 * mu.sum() * 0.2**2, rel=2e-3)
+    assert arrays["corner"][280, 280] == pytest.approx(2.0 * mu[:350, :350].sum() * 0.2**2, rel=2e-3)
+    # Relays that a rise over the whole range switches on: those below the diagonal.
+    assert arrays["diagonal"][0] == 0.0
+    assert arrays["diagonal"][-1] == pytest.approx(arrays["corner"][-1, -1] / 2, rel=1e-3)
+
+
+def test_sections_of_commands_are_those_of_their_docstrings() -> None:
+    fast, slow = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))  # 40 and 4000 samples a period
+    np.testing.assert_allclose(commands._steps(fast, 60), -1.0)
+    walk = commands._steps(np.random.default_rng(1), 5000)
+    lengths = np.diff(np.flatnonzero(np.diff(walk, prepend=9.0)))
+    assert (lengths.min() >= 20, lengths.max() < 500) == (True, True)
+    k = np.arange(100)
+    wave = np.abs(((k / 20 + 1) % 2) - 1) * 2 - 1
+    np.testing.assert_allclose(commands._triangles(fast, 100), 0.2 * wave, atol=1e-12)
+    np.testing.assert_allclose(commands._sines(fast, 100), np.sin(2 * np.pi * k / 40), atol=1e-12)
+    np.testing.assert_allclose(commands._sines(slow, 5000)[:9], np.sin(2 * np.pi * np.arange(9) / 4000), atol=1e-9)
+    line = commands._walk(cast(Any, np.random.default_rng(4)), 2000)
+    bends = np.flatnonzero(np.abs(np.diff(line, 2)) > 1e-9)
+    assert (np.abs(line).max() <= 1.0, 2000 / 300 < bends.size < 2 * 2000 / 5) == (True, True)
+    dying = commands._reversals(slow, 3000)
+    # Half an eighth of the 3000 samples each, the amplitude from 1 to 0 over ten corners.
+    np.testing.assert_allclose(dying[::375], np.linspace(1, 0, 10)[:8] * (-1.0) ** (np.arange(8) + 1), atol=1e-12)
+    whole = commands.command(cast(Any, Ends(0.5)), 5000, 10.0, 90.0, 20.0)
+    # 6 % of the samples go from the beginning to both ends of the range and to its middle.
+    np.testing.assert_allclose(whole[:300], np.interp(np.linspace(0, 3, 300), range(4), [20, 90, 10, 50]))
+    # No row of the 300 is exactly at an end: within 3 / 299 of 80 V.
+    assert (whole.size, whole.min(), whole.max()) == pytest.approx((5000, 10.0, 90.0), abs=0.8)
+
+
+def test_the_laboratory_has_the_modest_imperfections_of_a_real_stage() -> None:
+    nominal = Stage.nominal()
+    assert (nominal.stroke_um, nominal.full_V, nominal.lag_s, nominal.zero_V) == (10.0, 120.0, 1e-3, 0.0)
+    assert (nominal.dac_low_V, nominal.dac_high_V, nominal.dac_bits, nominal.adc_bits) == (-20.0, 120.0, 20, 16)
+    assert (nominal.adc_low_um, nominal.adc_high_um, nominal.sensor_step_um) == (-3.276, 13.108, 0.0005)
+    assert nominal.history_V == (-20.0, 120.0, 0.0)
+    whole = {effect.name: effect for effect in Stage.laboratory().others}
+    made = {
+        "bandwidth": (10e3,), "slew": (100e3,), "creep": (0.012,), "drift": (0.0, 0.0005),
+        "resonance": (780.0, 0.03, 0.25), "periodic": (50.0, 0.002, 0.6),
+    }  # fmt: skip
+    assert whole == {name: cast(Any, effects()[name])(*values) for name, values in made.items()}
+    # The longest loop that a Bouc-Wen element can open is five times its reach.
+    assert BoucWen(reach_V=20.0).form(10.0, 100.0).scalars["slope_um_per_V"] == pytest.approx(0.115)
+    with pytest.raises(StageError, match="the loop never opens"):
+        BoucWen(reach_V=20.01).form(10.0, 100.0)

@@ -62,6 +62,13 @@ def test_fig11_stays_inside_the_voltages_of_fig8() -> None:
 
 
 def test_fig11_sine_has_100_hz_and_the_other_no_period() -> None:
+    k = np.arange(1000)
+    lines = [a * np.sin(2 * np.pi * 20 * math.sqrt(n) * TS_S * k) for a, n in ((5, 1), (4, 2), (3, 5))]
+    np.testing.assert_allclose(signals.fig11_non_harmonic(TS_S)[:1000], 45 + sum(lines), atol=1e-9)
+    np.testing.assert_allclose(signals.fig11_sine(TS_S)[:1000], 45 + 12 * np.sin(2 * np.pi * 100 * TS_S * k), atol=1e-9)
+    # Default durations: 0.1 s, 0.4 s, and 0.1 s of the reference.
+    assert (signals.fig11_sine(TS_S).size, signals.fig11_non_harmonic(TS_S).size) == (5000, 20_000)
+    assert signals.tracking_reference(TS_S, 50.0).size == 5000
     sine = signals.fig11_sine(TS_S, 0.1)
     np.testing.assert_allclose(sine[500:], sine[:-500], atol=1e-9)
     other = signals.fig11_non_harmonic(1e-3, 5.0)
