@@ -1,8 +1,10 @@
-"""Enclosures by hand: remainders, cells and peaks of polynomials; where contraction begins and ends."""
+"""Enclosures by hand: remainders, cells, peaks and slopes of polynomials; where contraction begins and ends."""
 
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from hysgen.certify.enclosure import (
     slope,
     slope_series,
 )
+from hysgen.certify.path_inverse import POINTS, _polynomial_slopes, bounded_slopes, strokes, turning_points
 from hysgen.model.membership import memberships
 from hysgen.model.model import Grid, Model
 
@@ -99,3 +102,40 @@ def test_contraction_ends_where_the_slope_of_two_rules_reaches_one() -> None:
     for a, inputs in ((0.999, (-200.0, 200.0)), (1.0, None), (-1.0, None), (-0.999, (-200.0, 200.0))):
         alike = Model("m", 1e-3, grid, np.array([[a, 0.1, 0.0]] * 2), -200.0, 200.0)
         assert certify(alike).contracting == inputs
+
+
+def test_slopes_of_a_polynomial_are_bounded_beyond_its_places() -> None:
+    # d/dx T_2 = 4 x is straight: exact. d/dx T_3 = 12 x^2 - 3 leaves its chords by h^2 / 8 24, h = 2 / 4096.
+    assert _polynomial_slopes(np.array([9.0, 0.0, 0.25]), 0.4) == pytest.approx((-0.4, 0.4), rel=1e-12)
+    beyond = (2 / 4096) ** 2 / 8 * 24
+    assert _polynomial_slopes(np.array([0.0, 0.0, 0.0, 1.0]), 1.0) == pytest.approx(
+        (-3 - beyond, 9 + beyond), rel=1e-12
+    )
+
+
+def test_slopes_of_a_hysteresis_are_bounded_part_by_part() -> None:
+    """It falls with the input, so every part is turned round: a line, two plays, two Duhem states."""
+    series = SimpleNamespace(
+        curve=np.array([0.3, -2.0]),
+        plays=[np.array([-0.5]), np.array([0.0, 0.25])],
+        duhem=np.array([[-0.6, 0.1], [0.2, 0.0]]),
+    )
+    block: Any = SimpleNamespace(
+        mean_slope=-3.0, series=series, ends=(0.8, 0.4), reaches=(0.5, 0.5), low_V=-20.0, high_V=80.0
+    )
+    found = bounded_slopes(block)
+    # Line 2; plays 0.5 and -0.4 .. 0.4; Duhem states 2 (0.6 - 0.2) / 0.5 .. 2 0.6 / 0.5, and -0.8: as parts of 3.
+    # (2 - 0.4 - 0.8) / 3 and (2 + 0.5 + 0.4 + 2.4) / 3, nine digits rounded outward.
+    assert (found.least, found.largest) == pytest.approx((0.266666666, 1.76666667), rel=1e-12)
+    assert (found.mean_um_per_V, found.proved) == (pytest.approx(-0.06), True)
+
+
+def test_a_path_goes_from_turn_to_turn_and_covers_its_range() -> None:
+    first, second = strokes(np.array([0.0, 1.0, -1.0]))
+    np.testing.assert_allclose(first, np.linspace(0.0, 1.0, POINTS))
+    np.testing.assert_allclose(second, np.linspace(1.0, -1.0, POINTS))
+    turns = turning_points(-0.5, 1.0)
+    assert turns[:3].tolist() == [-0.5, 1.0, -0.5]
+    assert (turns.size, turns.min(), turns.max()) == (3 + 120 + 2 * 60, -0.5, 1.0)
+    # A loop is at most half the range wide.
+    assert np.abs(np.diff(turns[123:])[::2]).max() == pytest.approx(0.75, rel=0.05)

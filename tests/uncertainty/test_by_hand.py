@@ -75,6 +75,7 @@ def test_independent_samples_are_counted_up_to_the_first_zero_of_the_correlation
     rho = [float(c[: 7 - j] @ c[j:]) / float(c @ c) for j in range(7)]
     last = next(j for j in range(7) if rho[j] <= 0.0)
     assert independent_samples((e + 5.0).tolist()) == pytest.approx(7.0 / (1.0 + 2.0 * sum(rho[1:last])))
+    assert independent_samples((1e-3 * e).tolist()) == pytest.approx(independent_samples(e.tolist()))
     assert independent_samples([1.0, -1.0]) == 2.0
     assert independent_samples([3.0] * 9) == 9.0
     assert independent_samples([1.0, -1.0, 1.0]) == 3.0
