@@ -94,6 +94,8 @@ def test_numbers_of_effects_never_change_and_order_them() -> None:
     assert {name for name, kind in effects().items() if kind.bends_amplifier} == {"bandwidth", "slew"}
     stage = Stage().with_effects(**{name: effects()[name].draw(LOW, SETTING) for name in reversed(DRAWS)})
     assert list(stage.active) == [name for name in NUMBERS if name in DRAWS or name == "memory"]
+    lines = ((40.0, 0.2), (70.0, 0.1))
+    assert Stage().with_effects(periodic=lines) == Stage().with_effects(periodic=list(lines))
     for name, most in (("resonance", 4), ("periodic", 16)):
         mode = effects()[name].draw(LOW, SETTING)
         assert len(Stage().with_effects(**{name: [mode] * most}).others) == most
@@ -357,6 +359,14 @@ def test_constants_of_effects_are_those_of_the_plants_equations() -> None:
     period = Period(1e-3, np.array([2e-4, 8e-4]), 5e-3)
     keep = effects()["noise"].constants([], period)["flicker_keep"]
     np.testing.assert_allclose(cast(Any, keep), np.exp(-2e-3 * math.pi * 10.0 ** np.arange(-3, 5)))
+    still = effects()["noise"].constants([], period)
+    assert (still["white_um"], still["flicker_um"]) == (0.0, 0.0)
+    late_s = {name: effects()[name].draw(LOW, SETTING).late_s(1e-3) for name in DRAWS}
+    assert {name: late for name, late in late_s.items() if late} == {"delay": 0.5e-3}
+    scalars = BoucWen(2.0, 20.0, 0.6, 1.5).form(10.0, 100.0).scalars
+    assert [scalars[name] for name in ("bw_a", "bw_beta", "bw_gamma", "bw_n", "slope_um_per_V", "grid_n")] == (
+        pytest.approx([0.1, 0.06 / 2.0**1.5, 0.04 / 2.0**1.5, 1.5, 0.14, 2])
+    )
     line = effects()["periodic"](40.0, 0.2, 0.1)  # type: ignore[call-arg]
     found = cast(Any, effects()["periodic"].constants([line, line], period))
     assert found["lines"] == 2

@@ -31,8 +31,11 @@ from hysgen_lab.studies.bank.result import BankResult, Judgement
 from hysgen_lab.studies.bank.scenario import memory_only, scenario
 from hysgen_lab.studies.endurance.excitations import excitations, persistent_excitation
 from hysgen_lab.studies.endurance.results import CASES, EnduranceResult, EnduranceTest, endurance_tests, rows
-from hysgen_lab.studies.paper import learning
+from hysgen_lab.studies.paper import learning, results
+from hysgen_lab.studies.paper.figures import modelling_figures, tracking_figure
+from hysgen_lab.studies.paper.modelling import EXPERIMENTS
 from hysgen_lab.studies.paper.tracking import CASES as TRACKED
+from hysgen_lab.studies.paper.tracking import Tracking
 from hysgen_lab.verbs.track import tracking_table
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
@@ -402,8 +405,8 @@ def test_every_controller_runs_at_every_frequency_and_the_progress_rises(monkeyp
     monkeypatch.setattr(tracking, "controllers", lambda _: ["a", "b", "c", "d"])
     monkeypatch.setattr(tracking, "run_controller", run)
     told: list[float] = []
-    results, _ = tracking.track(4.0, lambda fraction, _: told.append(fraction))
-    assert [(each.f_Hz, each.controller) for each in results] == [
+    found, _ = tracking.track(4.0, lambda fraction, _: told.append(fraction))
+    assert [(each.f_Hz, each.controller) for each in found] == [
         (f_Hz, name) for f_Hz in (50.0, 100.0) for name in ("proportional", "a", "b", "c", "d")
     ]
     assert told == pytest.approx([0.0, 0.15, 0.25, 0.35, 0.45, 0.5, 0.65, 0.75, 0.85, 0.95])
@@ -424,3 +427,33 @@ def test_coverage_is_the_mean_over_stages_with_its_standard_error(monkeypatch: p
         envelope = 0.6 + 0.4 * np.cos(2 * np.pi * t_s * (0.5 if rng is LOW else 1.5) + (0.0 if rng is LOW else 6.28))
         wave = 0.7 * envelope * np.sin(2 * np.pi * slow * t_s) + 0.3 * np.sin(2 * np.pi * fast * t_s)
         np.testing.assert_allclose(coverage.drive(rng), 50 + 50 * wave, atol=1e-9)
+
+
+def test_all_experiments_run_in_order_and_the_progress_rises(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("repeat", "track_case", "agreement", "lose_gain"):
+        monkeypatch.setattr(results, name, lambda given, name=name: (name, given))
+    told: list[tuple[float, str]] = []
+    found = results.repeat_all(lambda fraction, title: told.append((fraction, title)))
+    assert [fraction for fraction, _ in told] == pytest.approx([k / 13 for k in range(13)])
+    assert told[4][1] == "section 4.3: tracking at 50 Hz"
+    assert told[6][1] == "learner: Section 4.1: 100 Hz, varying amplitudes"
+    assert list(found.modelling) == [("repeat", experiment) for experiment in EXPERIMENTS]
+    assert list(found.learning) == [("agreement", experiment) for experiment in EXPERIMENTS[:2]]
+    assert list(found.changes) == [("lose_gain", name) for name in learning.DISTURBANCES]
+
+
+def test_figures_of_the_paper_show_its_runs_under_their_names() -> None:
+    model = Model("m", 2e-5, Grid(0.0, 9.0, 2), np.array([[0.5, 0.05, 0.0]] * 2), 0.0, 90.0)
+    record = Record.from_arrays(np.linspace(10.0, 80.0, 300), np.linspace(1.0, 8.0, 300), 2e-5)
+    for number, stem in ((0, "section-4.1"), (2, "fig11-sine")):
+        outcome: Any = SimpleNamespace(
+            validation=record, experiment=EXPERIMENTS[number], models={"paper": model, "memory": model}
+        )
+        made = modelling_figures(outcome)
+        assert list(made) == [f"{stem}-validation.png", f"{stem}-loops.png"]
+        errors = [axis.lines[0] for axis in made[f"{stem}-validation.png"].axes[1:]]
+        assert [line.get_label().split(":")[0] for line in errors] == ["one step", "free run", "free run, with memory"]
+        assert len({line.get_color() for line in errors}) == 3
+    y_um = np.array([2.0, 2.5, 1.5])
+    case = Tracking(50.0, TRACKED[0].published, np.arange(3.0), y_um, {"paper's inverse": y_um + 0.1})
+    assert tracking_figure(case).axes[0].get_title(loc="left") == "Section 4.3: 50 Hz"
