@@ -478,6 +478,7 @@ def test_horizon_and_spectrum_are_drawn_in_their_units() -> None:
     np.testing.assert_allclose(drawn[BASE].get_xdata(), [1.0, 10.0, 100.0])
     np.testing.assert_allclose(drawn[LABEL].get_ydata(), [0.01, 0.03, 0.1])
     assert (drawn[BASE].get_color(), drawn[LABEL].get_color()) == (style.SIMULATED, style.EXTENDED)
+    assert [text.get_text() for text in axis.get_legend().get_texts()] == [BASE, LABEL]
     levels = {name: text.xy for name, text in text_of(axis).items()}
     assert levels == {"noise floor": (1.0, 0.01), "persistence, 1 step": (1.0, 0.05)}
     assert [line.get_ydata()[0] for line in axis.lines[2:]] == [0.01, 0.05]
@@ -605,7 +606,8 @@ def test_all_pictures_of_a_study_stand_in_reading_order_and_in_one_style() -> No
             assert not any(axis.spines[side].get_visible() for side in ("top", "right"))
             assert all(0.5 < line.get_linewidth() < 2.5 for line in axis.lines if line.get_linewidth() != BAR)
             assert all(7.0 <= text.get_fontsize() <= 9.5 for text in [*axis.texts, *axis.get_xticklabels()])
-            assert all(text.get_annotation_clip() is False for text in axis.texts if isinstance(text, Annotation))
+            notes = [text for text in axis.texts if isinstance(text, Annotation)]
+            assert all((text.get_annotation_clip(), text.xyann[1]) == (False, 2) for text in notes)
             legend = axis.get_legend()
             if legend is not None:
                 assert not legend.get_frame_on()
@@ -649,6 +651,9 @@ def test_results_are_drawn_with_their_own_numbers(tmp_path: Any) -> None:
     assert [axis.get_xlabel() for axis in (above, below, side)] == ["", "time [s]", "voltage [V]"]
     assert [axis.get_ylabel() for axis in (above, below, side)] == ["voltage [V]", *["displacement [µm]"] * 2]
     assert above.get_position().width > side.get_position().width
+    ends = [axis.get_position().extents for axis in (above, below, side)]
+    # The axes at the side are as high as the two others together.
+    assert (ends[2][1], ends[2][3]) == pytest.approx((ends[1][1], ends[0][3]))
     (axis,) = draw(model()).figure.axes
     assert (axis.get_ylim()[0], axis.get_xscale(), axis.get_title(loc="left")) == (0.0, "log", "made_up")
     assert axis.get_ylabel() == "loop fills its box [%]"

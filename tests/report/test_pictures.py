@@ -179,6 +179,17 @@ def test_validation_and_tracking_draw_errors_in_their_units() -> None:
     np.testing.assert_array_equal(figure.axes[2].lines[0].get_xdata(), Y_UM)
 
 
+def test_other_figures_fit_a_page() -> None:
+    record, runs, colours = Record.from_arrays(U_V, Y_UM, TS_S), shown().runs, {"a": "red", "b": "blue"}
+    drawn = [validation(record, runs, "", colours), loops(record, runs, "", colours),
+             tracking(T_S, Y_UM, runs, "", colours), time_picture(shown()).figure]  # fmt: skip
+    assert [tuple(figure.get_size_inches()) for figure in drawn] == [
+        pytest.approx(size) for size in ((7.2, 6.0), (7.4, 3.4), (9.6, 3.4), (4.7, 3.1))
+    ]
+    heights = [axis.get_position().height for axis in drawn[0].axes]
+    assert heights[0] == pytest.approx(2 * heights[1])
+
+
 def test_history_is_drawn_in_percent_of_its_first_model() -> None:
     trends = (Trend("gain", "um/V", (-2.0, -2.1, -1.9)), Trend("bias", "um", (0.0, 1.0, 1.0)))
     picture = changes(History(("1.json", "2.json", "3.json"), trends, 4.0))

@@ -50,10 +50,7 @@ def draw(result: Any, *what: Any) -> Drawing:
 @draw.register
 def _(result: Record) -> Drawing:
     """Input and displacement against time, and displacement against input."""
-    fig = style.figure(8.4, 3.6)
-    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
-    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
-    side = fig.add_subplot(grid[:, 1])
+    fig, above, below, side = style.axes_beside()
     for segment in result.segments:
         t_s = segment.start_s + result.Ts_s * np.arange(segment.samples, dtype=np.float64)
         above.plot(*envelope(t_s, segment.u_V), color=style.EXTENDED, linewidth=style.THIN)

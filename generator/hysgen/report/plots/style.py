@@ -91,6 +91,13 @@ def axes(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
     return fig, axis
 
 
+def axes_beside() -> tuple[Figure, Axes, Axes, Axes]:
+    """A wide figure: two axes above each other, and one to the right of both."""
+    fig = figure(*WIDE_IN)
+    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
+    return fig, fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0]), fig.add_subplot(grid[:, 1])
+
+
 def note(axis: Axes, text: str, place: tuple[float, float], coords: tuple[str, str], side: Any, aside: int = 0) -> None:
     """Small letters above a place, at its `side`, and outside the frame, too."""
     axis.annotate(

@@ -67,10 +67,7 @@ def tracking(
 
     Error: reached - reference.
     """
-    fig = style.figure(8.4, 4.2)
-    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
-    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
-    side = fig.add_subplot(grid[:, 1])
+    fig, above, below, side = style.axes_beside()
     keep = thinned(t_s.size)
     above.plot(t_s[keep], reference_um[keep], color=style.MEASURED, label="reference")
     for name, y_um in reached_um.items():
