@@ -96,6 +96,7 @@ def test_free_runs_are_drawn_and_zoomed_at_the_largest_error_of_the_last_model()
     whole, zoom = free_run_pictures(shown())
     assert list(lines(whole.figure)) == ["measured", "a", "b"]
     np.testing.assert_array_equal(lines(whole.figure)["a"].get_ydata(), shown().runs["a"])
+    np.testing.assert_array_equal(lines(whole.figure)["measured"].get_xydata(), np.column_stack([T_S, Y_UM]))
     # Half the zoom is 3 % of 1000 samples.
     np.testing.assert_allclose(lines(zoom.figure)["b"].get_xdata(), T_S[670:730])
     assert zoom.alt == "Zoom at 0.7 s: b is wrong by 0.4 µm."
@@ -146,6 +147,8 @@ def test_correlations_have_their_lags_bound_and_limits() -> None:
     assert auto.figure.axes[0].get_ylim() == pytest.approx((-0.2, 1.05))
     assert cross.figure.axes[0].get_ylim() == pytest.approx((-1.1, 1.1))
     assert auto.alt.startswith(f"Autocorrelation after 199 samples: a {expected[-1]:.2f}")
+    part = Simulated(T_S[:400], U_V[:400], Y_UM[:400], {"a": U_V[:400]}, LINES)
+    assert lines(correlation_pictures(part)[0].figure)["a"].get_xdata().size == 100  # a quarter of the rows
     assert correlation(np.zeros(4), np.ones(4), np.arange(2)).tolist() == [0.0, 0.0]
 
 
@@ -171,7 +174,20 @@ def test_validation_and_tracking_draw_errors_in_their_units() -> None:
     figure = tracking(T_S, Y_UM, runs, "title", colours)
     assert figure.axes[1].lines[1].get_ydata()[700] == pytest.approx(400.0)
     assert labels(figure)[1] == ("time [s]", "reached - reference [nm]")
+    assert labels(figure)[2] == ("reference [µm]", "reached [µm]")
+    assert [text.get_text() for text in figure.axes[2].get_legend().get_texts()] == ["a", "b"]
     np.testing.assert_array_equal(figure.axes[2].lines[0].get_xdata(), Y_UM)
+
+
+def test_other_figures_fit_a_page() -> None:
+    record, runs, colours = Record.from_arrays(U_V, Y_UM, TS_S), shown().runs, {"a": "red", "b": "blue"}
+    drawn = [validation(record, runs, "", colours), loops(record, runs, "", colours),
+             tracking(T_S, Y_UM, runs, "", colours), time_picture(shown()).figure]  # fmt: skip
+    assert [tuple(figure.get_size_inches()) for figure in drawn] == [
+        pytest.approx(size) for size in ((7.2, 6.0), (7.4, 3.4), (9.6, 3.4), (4.7, 3.1))
+    ]
+    heights = [axis.get_position().height for axis in drawn[0].axes]
+    assert heights[0] == pytest.approx(2 * heights[1])
 
 
 def test_history_is_drawn_in_percent_of_its_first_model() -> None:
@@ -180,6 +196,7 @@ def test_history_is_drawn_in_percent_of_its_first_model() -> None:
     np.testing.assert_allclose(lines(picture.figure)["gain"].get_ydata(), [0.0, -5.0, 5.0], atol=1e-12)
     assert sorted(line.get_ydata()[0] for line in picture.figure.axes[0].lines[1:]) == [-4.0, 4.0]
     assert picture.alt == "Largest change 5 % over 3 models."
+    assert [text.get_text() for text in picture.figure.legends[0].get_texts()] == ["gain"]
     assert [tick.get_text() for tick in picture.figure.axes[0].get_xticklabels()] == ["1.json", "2.json", "3.json"]
 
 
@@ -197,5 +214,7 @@ def test_legends_stand_in_one_line_where_they_fit() -> None:
 def test_tables_of_a_page_know_their_numbers_and_sections_their_anchor() -> None:
     made = PageTable(["a", "b", "c", "d"], [["w", "1", "2", "x"]], left=1, right=1)
     assert list(made.numbers) == [2, 3]
+    assert list(PageTable(["a", "b"], [], left=1).numbers) == [2]
+    assert list(PageTable(["a", "b"], []).numbers) == []
     assert made.rows == [[("a", "w"), ("b", "1"), ("c", "2"), ("d", "x")]]
     assert PageSection("Cost, 2 ways").anchor == "cost--2-ways"

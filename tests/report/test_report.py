@@ -21,8 +21,6 @@ from fixtures.bank_records import hum_study
 from fixtures.tools import need
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
-from hysgen.diagnosis.bootstrap import Gain
-from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.evaluation import LADDER, Study
 from hysgen.display import decimal, table
 from hysgen.fitting import FitSettings, fit
@@ -31,12 +29,12 @@ from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable, sentence
-from hysgen.report.plots.diagnosis import BAR, held_out_runs, pictures, profile_picture
+from hysgen.report.plots.diagnosis import held_out_runs, pictures
 from hysgen.report.plots.shares import error_shares
 from hysgen.report.plots.simulated import time_picture
-from hysgen.report.plots.style import plain_number, png_bytes, svg_bytes
+from hysgen.report.plots.style import png_bytes, svg_bytes
 from hysgen.report.sections import uncertainty_section
-from hysgen.report.words import diagnosis_text, parameter_text, verdict
+from hysgen.report.words import diagnosis_text, verdict
 from hysgen.uncertainty.sensor import sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
 from hysgen_lab.stage import Stage
@@ -209,48 +207,6 @@ def test_error_shown_is_the_error_that_was_scored(hum: Study) -> None:
     assert float(((held.base_um - held.measured_um) ** 2).mean() ** 0.5) == pytest.approx(hum.before.rms_um, rel=1e-12)
 
 
-def test_verdict_names_size_causes_gain_and_price(hum: Study) -> None:
-    wrong, shares, gain = verdict(hum)
-    found = hum.diagnosis
-    assert f"{found.base_rms_um:.3g} um" in wrong
-    for cause in found.causes:
-        assert f"{cause.name} is {100 * cause.share:.0f} %" in shares
-    assert f"{found.extended_rms_um:.3g} um" in gain
-    prices = [cause.price for cause in found.causes]
-    assert f"about {sum(price.cycles for price in prices if price)} more cycles" in gain
-    # One extension alone may save cycles: the inverse takes fewer Newton steps.
-    assert sum(price.cycles for price in prices if price) > 0
-    assert all(price is not None and price.bytes > 0 for price in prices)
-
-
-def test_an_extension_that_is_kept_in_doubt_says_what_it_gains_beside_the_others(hum: Study) -> None:
-    first, *others = hum.diagnosis.causes
-    doubtful = dataclasses.replace(first, beside=Gain(0.02, 0.01, 0.005, 0.015, 1.0))
-    other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(doubtful, *others)))
-    assert "\nmemory gains 0.005 .. 0.015 um (95 %) beside the others, so it is kept" in diagnosis_text(other)
-    assert "beside the others" not in diagnosis_text(hum)
-
-
-def test_a_displacement_that_no_model_follows_is_no_plain_hysteresis(hum: Study) -> None:
-    found = dataclasses.replace(hum.diagnosis, causes=(), extended_rms_um=hum.span_um)
-    assert verdict(dataclasses.replace(hum, diagnosis=found))[1].endswith("it does not follow the voltage.")
-
-
-def test_cause_that_is_named_but_not_extended_is_listed_separately(hum: Study) -> None:
-    causes = hum.diagnosis.causes
-    lost = Gain(0.01, 0.011, -0.002, 0.001, 0.1)
-    kept = dataclasses.replace(causes[1], extended=False, price=None, beside=lost)
-    other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(causes[0], kept)))
-    assert [cause.name for cause in other.extended] == ["memory"]
-    assert verdict(other)[-1].startswith("periodic is named and not extended: with its extension the held-out error")
-    assert "-0.002 .. 0.001 um (95 %); --keep-all keeps it" in verdict(other)[-1]
-    assert "+ periodic" not in diagnosis_text(other)
-    assert "+ periodic" not in {picture.name: picture for picture in pictures(other)}["ladder"].alt
-    price = causes[0].price
-    assert price is not None
-    assert f"about {price.cycles} more cycles" in verdict(other)[2]
-
-
 def test_terminal_notebook_and_page_show_one_table_of_the_ladder(hum: Study, page: str) -> None:
     lines = table(LADDER, hum.ladder())
     assert lines in diagnosis_text(hum)
@@ -345,15 +301,6 @@ def test_the_noise_floor_of_a_page_is_explained_if_the_one_step_error_of_any_mod
         assert ("one-step errors are below it" in text) == explained
 
 
-def test_an_error_map_has_no_line_where_the_record_has_no_such_samples(hum: Study) -> None:
-    first, *others = hum.before.profiles
-    gap = dataclasses.replace(first, rms_um=(first.rms_um[0], math.nan, *first.rms_um[2:]))
-    figure = profile_picture([("paper's model", dataclasses.replace(hum.before, profiles=(gap, *others)))], 0).figure
-    (steps,) = figure.axes[0].patches
-    heights = steps.get_path().vertices[:, 1]
-    assert np.nanmin(heights) >= 0.999 * np.nanmin(gap.rms_um)
-
-
 def test_each_error_in_time_fills_an_axis_of_its_own(hum: Study) -> None:
     assert hum.improved
     for axis in time_picture(held_out_runs(hum)).figure.axes:
@@ -361,10 +308,6 @@ def test_each_error_in_time_fills_an_axis_of_its_own(hum: Study) -> None:
         low, high = axis.get_ylim()
         assert np.ptp(line.get_ydata()) > 0.5 * (high - low)
     assert len(time_picture(held_out_runs(hum)).figure.axes) == 2
-
-
-def test_ticks_of_small_errors_have_no_exponent() -> None:
-    assert [plain_number(value) for value in (5e-5, 2e-4, 0.1, 20.0)] == ["0.00005", "0.0002", "0.1", "20"]
 
 
 def test_shares_of_the_error_are_those_of_each_window_and_sum_to_one() -> None:
@@ -385,35 +328,6 @@ def test_logs_that_are_not_aligned_are_said_before_the_causes(hum: Study) -> Non
     first, *_ = verdict(dataclasses.replace(hum, record=shifted))
     assert "the logs are not aligned, and what follows describes their shift." in first
     assert "aligned" not in "".join(verdict(hum))
-
-
-def test_intervals_of_the_ladder_lie_in_its_frame_and_tell_a_certain_gain_from_a_doubtful_one(hum: Study) -> None:
-    """A gain of almost the whole error, whose interval goes beyond the error itself, and one that may be negative."""
-    first, second = hum.diagnosis.causes
-    large = dataclasses.replace(first, step=Gain(1.0, 0.01, 0.8, 1.2, 1.0))
-    doubtful = dataclasses.replace(second, step=Gain(0.01, 0.009, -0.001, 0.003, 0.9))
-    other = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(large, doubtful)))
-    (axis,) = next(picture for picture in pictures(other) if picture.name == "ladder").figure.axes
-    bars = [line.get_xdata() for line in axis.lines if line.get_linewidth() == BAR]
-    low, high = axis.get_xlim()
-    assert len(bars) == 2
-    assert all(low <= end <= high for bar in bars for end in bar)
-    assert min(bars[0]) > 0.01
-    assert min(bars[1]) < 0.009 < max(bars[1])
-
-
-def test_parameters_are_rounded_to_their_standard_errors(hum: Study) -> None:
-    first = hum.diagnosis.causes[0]
-    found = {
-        "f_Hz": Estimate(49.99812, 0.0084),
-        "amplitude_um": Estimate(0.0019683, 1.6e-5),
-        "from_s": Estimate(0.00996, math.nan),
-    }
-    one = dataclasses.replace(first, parameters=found)
-    study = dataclasses.replace(hum, diagnosis=dataclasses.replace(hum.diagnosis, causes=(one,)))
-    assert (
-        parameter_text(study, first.name) == "f 49.9981 ± 0.0084 Hz, amplitude 0.001968 ± 0.000016 um, from 0.00996 s"
-    )
 
 
 @pytest.mark.parametrize(

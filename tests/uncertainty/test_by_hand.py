@@ -75,6 +75,7 @@ def test_independent_samples_are_counted_up_to_the_first_zero_of_the_correlation
     rho = [float(c[: 7 - j] @ c[j:]) / float(c @ c) for j in range(7)]
     last = next(j for j in range(7) if rho[j] <= 0.0)
     assert independent_samples((e + 5.0).tolist()) == pytest.approx(7.0 / (1.0 + 2.0 * sum(rho[1:last])))
+    assert independent_samples((1e-3 * e).tolist()) == pytest.approx(independent_samples(e.tolist()))
     assert independent_samples([1.0, -1.0]) == 2.0
     assert independent_samples([3.0] * 9) == 9.0
     assert independent_samples([1.0, -1.0, 1.0]) == 3.0
@@ -168,6 +169,9 @@ def test_a_budget_of_a_simulation_by_hand() -> None:
     assert lines["drift"].standard_um == pytest.approx(0.3 / math.sqrt(3.0))
     assert lines["drift"].about == "at most 0.3 um since the record"
     assert found.measurand == "displacement that the model states for a sample (free run)"
+    for rows, counted in ((2, 2), (1, 1), (0, 1)):
+        one = budget(dataclasses.replace(PLAIN, fitted=rows)).contributions[1]
+        assert (one.standard_um, one.freedom) == (pytest.approx(0.1 * math.sqrt(16 / counted)), 1.0)
     # Neither noise nor repeated visits count for more than the residual has.
     loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "plateaus", 9), fitted=10, repeatability=cycle))
     named = {c.name: c for c in loud.contributions}

@@ -163,12 +163,12 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     left_out = len(diagnosis.causes) > len(study.extended)
     if diagnosis.unknown:
         rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
-    tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named", left=5)]
+    tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named")]
     shown = [[one.name, "yes: named" if one.verdict == "named" else one.text()] for one in diagnosis.abilities]
-    tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell", left=2))
+    tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell"))
     if diagnosis.refused:
         refused = [[item.name, item.why] for item in diagnosis.refused]
-        tables.append(PageTable(["cause", "why not"], refused, "Examined and not named", left=2))
+        tables.append(PageTable(["cause", "why not"], refused, "Examined and not named"))
     return PageSection(
         "Causes and their evidence",
         text=[] if rows else ["None: the error of the paper's model is not above that of hysteresis and noise."],
@@ -193,7 +193,7 @@ def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
     return PageSection(
         "What each extension gains, and its price",
         pictures=[drawn["ladder"]],
-        tables=[PageTable(LADDER, study.ladder())],
+        tables=[PageTable(LADDER, study.ladder(), left=1)],
         notes=[
             *(f"{cause.why_kept}." for cause in diagnosis.causes if cause.why_kept),
             *([f"Scores: {diagnosis.held_change}."] if diagnosis.held_change else []),

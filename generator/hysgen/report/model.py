@@ -85,7 +85,7 @@ def model_page(
         sections=[
             PageSection(
                 "Scores",
-                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()))],
+                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()), left=1)],
                 notes=[
                     f"{min(scored.scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
                     *(f"Warning: {line}." for s in scored.scores.values() for line in s.warnings),
@@ -151,8 +151,7 @@ def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
     )
     curves = {name: s.horizon for name, s in scores.items()}
     ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
-    colours = {name: line["color"] for name, line in lines.items()}
-    drawn = horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, "", colours)
+    drawn = horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, "", lines)
     return shown, [
         *free_run_pictures(shown),
         *response_pictures(shown),

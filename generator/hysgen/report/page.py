@@ -42,19 +42,19 @@ class KeyFigure:
 class PageTable:
     """A table of the page. cells: rows as long as `header`.
 
-    The first `left` and the last `right` columns hold words, the others numbers.
+    The first `left` and the last `right` columns hold words, the others numbers; left None: all hold words.
     """
 
     header: Sequence[str]
     cells: Sequence[Sequence[str]]
     caption: str = ""
-    left: int = 1
+    left: int | None = None
     right: int = 0
 
     @property
     def numbers(self) -> range:
         """The columns that hold numbers, counted from 1."""
-        return range(self.left + 1, len(self.header) - self.right + 1)
+        return range(0) if self.left is None else range(self.left + 1, len(self.header) - self.right + 1)
 
     @property
     def csv_uri(self) -> str:

@@ -43,8 +43,8 @@ def model_section(model: Model) -> PageSection:
         "Model and certificates",
         text=[dynamics(model).describe().splitlines()[0]],
         tables=[
-            PageTable(["part", "what it is"], facts, "Model", left=2),
-            PageTable(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range", left=3),
+            PageTable(["part", "what it is"], facts, "Model"),
+            PageTable(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range"),
         ],
         notes=[
             f"Fitted beside the path: {3 * model.grid.rules} consequents of the rules, {model.weights.size} weights of "
@@ -104,7 +104,9 @@ def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
             f"One sample takes {price.per_sample} of {price.budget} at {1e-3 / price.Ts_s:.4g} kHz and "
             f"{price.clock_Hz / 1e6:.4g} MHz: {100.0 * price.share:.2g} %."
         ],
-        tables=[PageTable(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows)],
+        tables=[
+            PageTable(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows, left=1)
+        ],
         notes=[
             "Bytes: "
             + ", ".join(f"{name} {size}" for name, size in price.struct_bytes.items())
@@ -126,7 +128,10 @@ def uncertainty_section(found: Characterisation) -> PageSection:
     if removed:
         tables.append(
             PageTable(
-                ["extension", "error removed, um rms"], removed, "Error of the free run that each extension removes"
+                ["extension", "error removed, um rms"],
+                removed,
+                "Error of the free run that each extension removes",
+                left=1,
             )
         )
     return PageSection(
@@ -161,7 +166,7 @@ TERMS = (
 
 def glossary_section() -> PageSection:
     """The words of the page; the figures at its top link to it."""
-    return PageSection("Glossary", tables=[PageTable(["word", "meaning"], [list(term) for term in TERMS], left=2)])
+    return PageSection("Glossary", tables=[PageTable(["word", "meaning"], [list(term) for term in TERMS])])
 
 
 def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSection:
@@ -174,7 +179,7 @@ def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSe
         ["hysgen", version()],
         ["Python, NumPy, SciPy", f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"],
     ]
-    return PageSection("Provenance", tables=[PageTable(["what", "which"], rows, left=2)])
+    return PageSection("Provenance", tables=[PageTable(["what", "which"], rows)])
 
 
 def _settings(fit: Mapping[str, Any]) -> str:

@@ -62,6 +62,13 @@ def test_fig11_stays_inside_the_voltages_of_fig8() -> None:
 
 
 def test_fig11_sine_has_100_hz_and_the_other_no_period() -> None:
+    k = np.arange(1000)
+    lines = [a * np.sin(2 * np.pi * 20 * math.sqrt(n) * TS_S * k) for a, n in ((5, 1), (4, 2), (3, 5))]
+    np.testing.assert_allclose(signals.fig11_non_harmonic(TS_S)[:1000], 45 + sum(lines), atol=1e-9)
+    np.testing.assert_allclose(signals.fig11_sine(TS_S)[:1000], 45 + 12 * np.sin(2 * np.pi * 100 * TS_S * k), atol=1e-9)
+    # Default durations: 0.1 s, 0.4 s, and 0.1 s of the reference.
+    assert (signals.fig11_sine(TS_S).size, signals.fig11_non_harmonic(TS_S).size) == (5000, 20_000)
+    assert signals.tracking_reference(TS_S, 50.0).size == 5000
     sine = signals.fig11_sine(TS_S, 0.1)
     np.testing.assert_allclose(sine[500:], sine[:-500], atol=1e-9)
     other = signals.fig11_non_harmonic(1e-3, 5.0)
@@ -138,6 +145,9 @@ def test_a_signal_is_the_same_at_every_sampling_period(signal: Callable[[float],
         (lambda: signals.fig8(TS_S, "validation", 0.0), "duration_s: 0.0"),
         (lambda: signals.tracking_reference(TS_S, math.nan), "f_Hz: nan"),
         (lambda: signals.nested_amplitudes(TS_S, [], 30.0, 20.0, 3), "0 frequencies"),
+        (lambda: signals.nested_amplitudes(1e-3, [300.0], 30.0, 20.0, 3), "300.0 Hz is not resolved"),
+        (lambda: signals.nested_amplitudes(TS_S, [50.0], 30.0, 20.0, 0), "of 0 cycles"),
+        (lambda: signals.plateaus(TS_S, [1.0], 1.0, -0.1), "ways of -0.1 s"),
         (lambda: signals.plateaus(TS_S, [], 1.0, 0.1), "0 levels"),
         (lambda: signals.joined([], 1.0), "nothing to join"),
         (lambda: signals.joined([np.array([0.0, 5.0])], 1.0), "part 1: jumps by 5 V"),

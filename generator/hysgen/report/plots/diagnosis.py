@@ -5,11 +5,7 @@ The paper's model is dashed and vermilion, the extended model solid and blue. Er
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from hysgen.diagnosis.error_map import ErrorMap, range_in_words
@@ -26,6 +22,7 @@ from hysgen.report.plots.simulated import (
     time_picture,
 )
 from hysgen.report.plots.style import BASE_MODEL, EXTENDED_MODEL, LINES, Picture
+from hysgen.report.plots.traces import horizon
 
 BAR = 4.0
 """Width of the bar that shows the interval of a gain, in points."""
@@ -59,14 +56,11 @@ def held_out_runs(study: Study) -> Simulated:
 
 def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
     """Error against the horizon, with noise floor and persistence."""
-    fig, axis = _figure("horizon [ms]", "error rms [µm]")
-    for label, error in shown:
-        horizon_ms = 1e3 * study.record.Ts_s * np.array(error.horizon.steps, dtype=np.float64)
-        axis.loglog(horizon_ms, error.horizon.rms_um, marker=".", label=label, **LINES[label])
-    _level(axis, study.diagnosis.noise.rms_um, "noise floor")
-    _level(axis, study.diagnosis.persistence_um, "persistence, 1 step")
-    style.decimal_ticks(axis)
-    style.legend_above(axis)
+    levels_um = {
+        "noise floor": study.diagnosis.noise.rms_um,
+        "persistence, 1 step": study.diagnosis.persistence_um,
+    }
+    fig = horizon({label: error.horizon for label, error in shown}, levels_um, study.record.Ts_s, "", LINES)
     ends = "; ".join(f"{label} {w.horizon.rms_um[0]:.2g} to {w.horizon.rms_um[-1]:.2g} µm" for label, w in shown)
     last = study.before.horizon.steps[-1]
     return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
@@ -74,7 +68,7 @@ def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
 
 def spectrum_picture(shown: list[tuple[str, ErrorMap]]) -> Picture:
     """The error per frequency band."""
-    fig, axis = _figure("frequency [Hz]", "error, rms per band [µm]")
+    fig, axis = style.axes("frequency [Hz]", "error, rms per band [µm]")
     for label, error in shown:
         axis.loglog(error.spectrum.f_Hz, error.spectrum.rms_um, label=label, **LINES[label])
     style.decimal_ticks(axis)
@@ -89,7 +83,7 @@ def spectrum_picture(shown: list[tuple[str, ErrorMap]]) -> Picture:
 def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
     """The rms error sorted by one quantity, on a logarithmic axis: both models are seen."""
     first = shown[0][1].profiles[number]
-    fig, axis = _figure(f"{first.quantity} [{first.unit}]", "error rms [µm]")
+    fig, axis = style.axes(f"{first.quantity} [{first.unit}]", "error rms [µm]")
     levels = np.concatenate([np.array(error.profiles[number].rms_um) for _, error in shown])
     lowest = 0.5 * float(np.nanmin(levels[levels > 0.0])) if (levels > 0.0).any() else 1e-9
     for label, error in shown:
@@ -97,7 +91,7 @@ def profile_picture(shown: list[tuple[str, ErrorMap]], number: int) -> Picture:
         heights = np.array(profile.rms_um)
         # No line where the record has no such samples, and none down to the frame: both would look like an error of 0.
         steps = np.where(heights > 0.0, heights, np.nan)
-        axis.stairs(steps, profile.edges, baseline=None, label=label, linewidth=1.4, **LINES[label])
+        axis.stairs(steps, profile.edges, baseline=None, label=label, **LINES[label])
     axis.set_yscale("log")
     axis.set_ylim(lowest, 2.0 * max(float(np.nanmax(levels)), lowest))
     style.decimal_ticks(axis, x=False)
@@ -131,10 +125,11 @@ def ladder_picture(study: Study) -> Picture:
         # before minus that interval, and inside the frame.
         step = cause.step
         ends = [max(step.after_um + gain, lowest) for gain in (step.low_um, step.high_um)]
-        axis.plot([step.before_um, step.after_um], [i, i], color=style.NOTE, linewidth=0.8)
+        axis.plot([step.before_um, step.after_um], [i, i], color=style.NOTE)
         axis.plot(ends, [i, i], color=style.EXTENDED, linewidth=BAR, alpha=0.45, solid_capstyle="butt")
     colours = [style.SIMULATED] + [style.EXTENDED] * (len(levels) - 1)
-    axis.scatter(levels, range(len(levels)), color=colours, s=45, zorder=3)
+    for i, (level, colour) in enumerate(zip(levels, colours, strict=True)):
+        axis.plot(level, i, marker="o", color=colour)
     axis.set_xscale("log")
     highest = max([*levels, *(cause.step.after_um + cause.step.high_um for cause in causes)])
     axis.set(xlabel="free run, held out, rms [µm]", xlim=(lowest, 1.5 * highest))
@@ -142,49 +137,17 @@ def ladder_picture(study: Study) -> Picture:
     axis.set_ylim(len(levels) - 0.5, -0.5)
     axis.grid(visible=False, axis="y")
     style.decimal_ticks_of(axis.xaxis)
-    axis.axvline(diagnosis.noise.rms_um, color="#666666", linestyle=":", linewidth=1.0)
-    above: dict[str, Any] = {
-        "xytext": (0, 2),
-        "textcoords": "offset points",
-        "va": "bottom",
-        "fontsize": 8,
-        "annotation_clip": False,
-    }
-    axis.annotate(
-        "noise floor", (diagnosis.noise.rms_um, 1.0), xycoords=("data", "axes fraction"), ha="center", **above
-    )
+    axis.axvline(diagnosis.noise.rms_um, color=style.BEHIND, linestyle=":")
+    style.note(axis, "noise floor", (diagnosis.noise.rms_um, 1.0), ("data", "axes fraction"), "center")
     # Columns of numbers to the right of the frame, where no point can be.
     columns: list[tuple[float, str, list[str]]] = [
         (1.09, "rms [µm]", [f"{level:.3g}" for level in levels]),
         (1.19, "cycles", ["", *(f"{cause.price.cycles:+d}" if cause.price else "?" for cause in causes)]),
     ]
     for place, head, cells in columns:
-        axis.annotate(head, (place, 1.0), xycoords="axes fraction", ha="right", **above)
+        style.note(axis, head, (place, 1.0), ("axes fraction", "axes fraction"), "right")
         for i, cell in enumerate(cells):
-            axis.annotate(cell, (place, i), xycoords=("axes fraction", "data"), ha="right", va="center",
-                          annotation_clip=False)  # fmt: skip
+            axis.text(place, i, cell, transform=axis.get_yaxis_transform(), ha="right", va="center")
     steps = ", ".join(f"{label} {level:.3g} µm" for label, level in zip(labels, levels, strict=True))
     alt = f"Free-run error on held-out data: {steps}; noise floor {diagnosis.noise.rms_um:.2g} µm."
     return Picture("ladder", "Error after each extension", alt, fig, wide=True)
-
-
-def _figure(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
-    fig = style.figure(*style.HALF_IN)
-    axis = fig.subplots()
-    axis.set(xlabel=xlabel, ylabel=ylabel)
-    return fig, axis
-
-
-def _level(axis: Axes, level_um: float, name: str) -> None:
-    axis.axhline(level_um, color="#666666", linestyle=":", linewidth=1.0)
-    axis.annotate(
-        name,
-        (1.0, level_um),
-        xycoords=("axes fraction", "data"),
-        xytext=(0, 2),
-        textcoords="offset points",
-        ha="right",
-        va="bottom",
-        fontsize=8,
-        color="#555555",
-    )

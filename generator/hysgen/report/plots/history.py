@@ -22,6 +22,6 @@ def changes(history: History) -> Picture:
     axes.set_xticks(places, history.files, rotation=30, ha="right")
     axes.set_ylabel("change since the first model, %")
     axes.set_title("What moved?")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    fig.legend(loc="outside right center")
     worst = max((trend.percent or 0.0 for trend in history.trends), default=0.0)
     return Picture("history", "What moved?", f"Largest change {worst:.3g} % over {len(places)} models.", fig)

@@ -30,13 +30,12 @@ def record_picture(study: Study) -> Picture:
     time_s, cut_s = record.Ts_s * np.arange(record.samples, dtype=np.float64), study.cut * record.Ts_s
     fig = style.figure(*style.WIDE_IN)
     above, below = fig.subplots(2, 1, sharex=True)
-    above.plot(*envelope(time_s, record.u_V), color=style.BASELINE, linewidth=0.7)
-    below.plot(*envelope(time_s, record.y_um), color=style.MEASURED, linewidth=0.7)
+    above.plot(*envelope(time_s, record.u_V), color=style.BASELINE, linewidth=style.THIN)
+    below.plot(*envelope(time_s, record.y_um), color=style.MEASURED, linewidth=style.THIN)
     for axis in (above, below):
-        axis.axvline(cut_s, color=style.NOTE, linestyle="--", linewidth=1.0)
+        axis.axvline(cut_s, color=style.NOTE, linestyle="--")
     for text, aside, side in (("identified", -4, "right"), ("held out", 4, "left")):
-        above.annotate(text, (cut_s, 1.0), xycoords=("data", "axes fraction"), xytext=(aside, 2),
-                       textcoords="offset points", ha=side, va="bottom", fontsize=8, annotation_clip=False)  # fmt: skip
+        style.note(above, text, (cut_s, 1.0), ("data", "axes fraction"), side, aside)
     above.set(ylabel="voltage [V]")
     below.set(xlabel=time_label(study), ylabel="displacement [µm]", xlim=(0.0, float(time_s[-1])))
     alt = f"{record.one_line()}; held out from {cut_s:.3g} s on."
@@ -46,16 +45,14 @@ def record_picture(study: Study) -> Picture:
 def loops_picture(study: Study) -> Picture:
     """Displacement over voltage of the whole record: whether the held-out rows lie inside the identified range."""
     record, cut = study.record, study.cut
-    fig = style.figure(*style.HALF_IN)
-    axis = fig.subplots()
-    for rows, colour, width, label in (
-        (slice(0, cut), "#aaaaaa", 1.2, "identified"),
-        (slice(cut, None), style.MEASURED, 0.8, "held out"),
+    fig, axis = style.axes("voltage [V]", "displacement [µm]")
+    for rows, colour, label in (
+        (slice(0, cut), "#aaaaaa", "identified"),
+        (slice(cut, None), style.MEASURED, "held out"),
     ):
         u_V, y_um = record.u_V[rows], record.y_um[rows]
         stride = max(1, -(-u_V.size // LOOP_POINTS))
-        axis.plot(u_V[::stride], y_um[::stride], color=colour, linewidth=width, label=label)
-    axis.set(xlabel="voltage [V]", ylabel="displacement [µm]")
+        axis.plot(u_V[::stride], y_um[::stride], color=colour, linewidth=style.THIN, label=label)
     style.legend_above(axis)
     ranges = "; ".join(
         f"{name} {values.min():.4g} to {values.max():.4g} {unit}"
@@ -69,8 +66,7 @@ def loops_picture(study: Study) -> Picture:
 
 def spectra_picture(study: Study) -> Picture:
     """Amplitude density of voltage and displacement by frequency."""
-    fig = style.figure(*style.HALF_IN)
-    axis = fig.subplots()
+    fig, axis = style.axes("frequency [Hz]", "amplitude density / its maximum")
     longest = max(study.record.segments, key=lambda one: one.samples)
     tops = []
     for name, values, colour in (
@@ -79,9 +75,8 @@ def spectra_picture(study: Study) -> Picture:
     ):
         f_Hz, (power,) = spectra(study.record.Ts_s, values)
         density = np.sqrt(power[1:] / power[1:].max())
-        axis.loglog(f_Hz[1:], density, color=colour, linewidth=0.9, label=name)
+        axis.loglog(f_Hz[1:], density, color=colour, linewidth=style.THIN, label=name)
         tops.append(f"{name} largest at {f_Hz[1:][int(np.argmax(power[1:]))]:.3g} Hz")
-    axis.set(xlabel="frequency [Hz]", ylabel="amplitude density / its maximum")
     axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
     style.legend_above(axis)
     return Picture("record-spectrum", "Spectra", f"Amplitude density: {'; '.join(tops)}.", fig)

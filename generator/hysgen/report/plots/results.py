@@ -50,16 +50,13 @@ def draw(result: Any, *what: Any) -> Drawing:
 @draw.register
 def _(result: Record) -> Drawing:
     """Input and displacement against time, and displacement against input."""
-    fig = style.figure(8.4, 3.6)
-    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
-    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
-    side = fig.add_subplot(grid[:, 1])
+    fig, above, below, side = style.axes_beside()
     for segment in result.segments:
         t_s = segment.start_s + result.Ts_s * np.arange(segment.samples, dtype=np.float64)
-        above.plot(*envelope(t_s, segment.u_V), color=style.EXTENDED, linewidth=0.8)
-        below.plot(*envelope(t_s, segment.y_um), color=style.MEASURED, linewidth=0.8)
+        above.plot(*envelope(t_s, segment.u_V), color=style.EXTENDED, linewidth=style.THIN)
+        below.plot(*envelope(t_s, segment.y_um), color=style.MEASURED, linewidth=style.THIN)
         stride = max(1, -(-segment.samples // LOOP_POINTS))
-        side.plot(segment.u_V[::stride], segment.y_um[::stride], color=style.MEASURED, linewidth=0.8)
+        side.plot(segment.u_V[::stride], segment.y_um[::stride], color=style.MEASURED, linewidth=style.THIN)
     above.set(ylabel="voltage [V]", title=result.source)
     below.set(xlabel="time [s]", ylabel="displacement [µm]")
     side.set(xlabel="voltage [V]", ylabel="displacement [µm]")
@@ -74,10 +71,9 @@ def _(result: Model, record: Record | None = None) -> Drawing:
         title = f"{result.name} on {record.source}"
         return Drawing(validation(record, runs, title, {"free run": style.SIMULATED}))
     system = dynamics(result)
-    fig = style.figure(4.7, 3.1)
-    axis = fig.subplots()
+    fig, axis = style.axes("frequency [Hz]", "loop fills its box [%]")
     axis.semilogx([loop.f_Hz for loop in system.loops], [100.0 * loop.filling for loop in system.loops], marker=".")
-    axis.set(xlabel="frequency [Hz]", ylabel="loop fills its box [%]", title=result.name, ylim=(0.0, None))
+    axis.set(title=result.name, ylim=(0.0, None))
     return Drawing(fig)
 
 
@@ -86,7 +82,9 @@ def _(result: Scores) -> Drawing:
     """Error against the horizon, with noise floor and free run."""
     levels = {"noise floor": result.noise.rms_um, "free run": result.free_run.e_rms_um}
     title = f"{result.model} on {result.source}"
-    return Drawing(horizon({result.model: result.horizon}, levels, result.Ts_s, title, {result.model: style.EXTENDED}))
+    return Drawing(
+        horizon({result.model: result.horizon}, levels, result.Ts_s, title, {result.model: {"color": style.EXTENDED}})
+    )
 
 
 @draw.register

@@ -40,26 +40,19 @@ def shares_picture(study: Study) -> Picture:
     shares = error_shares([error for _, error in diagnosis.errors_um], diagnosis.noise.rms_um, edges)
     # The name of a rung lists its causes; the last one is its own.
     names = ["noise", "not explained", *(name.rpartition(" + ")[2] for name, _ in diagnosis.errors_um[1:])]
-    colours = ["#cccccc", "#666666", *(COLOURS[i % len(COLOURS)] for i in range(len(names) - 2))]
-    fig = style.figure(9.6, 3.1)
+    colours = ["#cccccc", "#666666", *COLOURS, *COLOURS]
+    fig = style.figure(*style.WIDE_IN)
     axis = fig.subplots()
     axis.set(xlabel=time_label(study), ylabel="share of the error's power [%]")
     time_s = record.Ts_s * edges
     # Each window is a step, so that no slope is drawn that was not measured.
     steps = np.repeat(100.0 * shares, 2, axis=1)
     axis.stackplot(np.repeat(time_s, 2)[1:-1], steps, labels=names, colors=colours)
-    axis.axvline(record.Ts_s * study.cut, color=style.MEASURED, linestyle=":", linewidth=1.0)
-    axis.annotate(
-        "held out",
-        (record.Ts_s * study.cut, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(3, 2),
-        textcoords="offset points",
-        fontsize=8,
-    )
+    axis.axvline(record.Ts_s * study.cut, color=style.MEASURED, linestyle=":")
+    style.note(axis, "held out", (record.Ts_s * study.cut, 1.0), ("data", "axes fraction"), "left")
     axis.set_xlim(0.0, float(time_s[-1]))
     axis.set_ylim(0.0, 100.0)
-    axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), reverse=True)
+    fig.legend(loc="outside right center", reverse=True)
     held = shares[:, edges[:-1] >= study.cut]
     means = held.mean(axis=1) if held.size else shares.mean(axis=1)
     words = ", ".join(f"{name} {100.0 * mean:.0f} %" for name, mean in zip(names, means, strict=True))

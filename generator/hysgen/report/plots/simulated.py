@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
@@ -80,10 +78,10 @@ def free_run_pictures(shown: Simulated) -> list[Picture]:
         ("free-run", "Free run", slice(None), f"Free run over {shown.t_s.size} samples; fit (NRMSE): {fits}."),
         ("zoom", f"Zoom on the largest error: {name}", part, where),
     ):
-        fig, axis = _axes("time [s]", "displacement [µm]")
+        fig, axis = style.axes("time [s]", "displacement [µm]")
         axis.plot(*envelope(shown.t_s[rows], shown.measured_um[rows]), label="measured", **MEASURED)
         for label, y_um in shown.runs.items():
-            axis.plot(*envelope(shown.t_s[rows], y_um[rows]), linewidth=1.0, label=label, **shown.lines[label])
+            axis.plot(*envelope(shown.t_s[rows], y_um[rows]), label=label, **shown.lines[label])
         axis.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         style.legend_above(axis)
         pictures.append(Picture(key, title, alt, fig))
@@ -96,9 +94,9 @@ def loop_pictures(shown: Simulated) -> list[Picture]:
     stride = max(1, -(-shown.u_V.size // LOOP_POINTS))
     pictures = []
     for number, (label, y_um) in enumerate(shown.runs.items(), start=1):
-        fig, axis = _axes("voltage [V]", "displacement [µm]")
+        fig, axis = style.axes("voltage [V]", "displacement [µm]")
         axis.plot(shown.u_V[::stride], shown.measured_um[::stride], label="measured", **MEASURED)
-        axis.plot(shown.u_V[::stride], y_um[::stride], linewidth=1.0, label=label, **shown.lines[label])
+        axis.plot(shown.u_V[::stride], y_um[::stride], label=label, **shown.lines[label])
         style.legend_above(axis)
         alt = f"Displacement over voltage: {label} misses the measured loops by {shown.rms_um(label):.3g} µm rms."
         pictures.append(Picture(f"loops-{number}", f"Loops: {label}", alt, fig))
@@ -111,7 +109,10 @@ def time_picture(shown: Simulated) -> Picture:
     panels = fig.subplots(len(shown.runs), 1, sharex=True, squeeze=False)[:, 0]
     for axis, label in zip(panels, shown.runs, strict=True):
         axis.plot(
-            *envelope(shown.t_s, shown.error_um(label)), linewidth=0.8, label=label, color=shown.lines[label]["color"]
+            *envelope(shown.t_s, shown.error_um(label)),
+            linewidth=style.THIN,
+            label=label,
+            color=shown.lines[label]["color"],
         )
         style.legend_above(axis)
     fig.supylabel("simulated - measured [µm]", fontsize="medium")
@@ -127,14 +128,14 @@ def response_pictures(shown: Simulated) -> list[Picture]:
     coherent = np.abs(uy) ** 2 > LEAST_COHERENCE * uu * yy
     coherent[0] = False
     at_Hz = f_Hz[coherent]
-    gain, gains = _axes("frequency [Hz]", "gain [µm/V]")
-    phase, phases = _axes("frequency [Hz]", "phase [degrees]")
+    gain, gains = style.axes("frequency [Hz]", "gain [µm/V]")
+    phase, phases = style.axes("frequency [Hz]", "phase [degrees]")
     remarks: dict[str, list[str]] = {"gain": [], "phase": []}
     for name, y_um in {"measured": shown.measured_um, **shown.runs}.items():
         _, (power, _, cross) = spectra(Ts_s, shown.u_V, y_um)
         response = cross[coherent] / power[coherent]
         turned = np.degrees(np.unwrap(np.angle(response)))
-        line = MEASURED if name == "measured" else {"linewidth": 1.0, **shown.lines[name]}
+        line = MEASURED if name == "measured" else shown.lines[name]
         gains.loglog(at_Hz, np.abs(response), label=name, **line)
         phases.semilogx(at_Hz, turned, label=name, **line)
         if at_Hz.size:
@@ -157,8 +158,8 @@ def correlation_pictures(shown: Simulated) -> list[Picture]:
     """Autocorrelation of the error of the free run, and its cross-correlation with the voltage."""
     lags = np.arange(min(MOST_LAGS, shown.t_s.size // 4))
     u = shown.u_V - shown.u_V.mean()
-    auto, autos = _axes("lag [samples]", "autocorrelation")
-    cross, crosses = _axes("lag [samples]", "cross-correlation")
+    auto, autos = style.axes("lag [samples]", "autocorrelation")
+    cross, crosses = style.axes("lag [samples]", "cross-correlation")
     last, largest = {}, {}
     for name in shown.runs:
         error = shown.error_um(name) - shown.error_um(name).mean()
@@ -190,10 +191,3 @@ def correlation(first: Floats, second: Floats, lags: NDArray[np.intp]) -> Floats
     spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
     scale = math.sqrt(float(first @ first) * float(second @ second)) or 1.0
     return np.asarray(np.fft.irfft(spectrum, size)[lags] / scale)
-
-
-def _axes(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
-    fig = style.figure(*style.HALF_IN)
-    axis = fig.subplots()
-    axis.set(xlabel=xlabel, ylabel=ylabel)
-    return fig, axis

@@ -23,6 +23,9 @@ SIMULATED = "#d55e00"
 EXTENDED = "#0072b2"
 BASELINE = "#009e73"
 NOTE = "#999999"
+THIN = 0.8
+"""Width of the line of a signal, whose swings lie close together, in points; other lines: see _SETTINGS."""
+
 BEHIND = "#777777"
 """Colour of the measured displacement where a simulation is drawn over it."""
 
@@ -57,7 +60,6 @@ _SETTINGS: Any = {
     "legend.fontsize": 8.5,
     "svg.hashsalt": "hysgen",
     "path.simplify_threshold": 0.5,
-    "agg.path.chunksize": 20000,
 }
 
 
@@ -81,11 +83,47 @@ def figure(width_in: float = 7.2, height_in: float = 4.2) -> Figure:
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def axes(xlabel: str, ylabel: str) -> tuple[Figure, Axes]:
+    """A figure that stands beside another one, and its only axes."""
+    fig = figure(*HALF_IN)
+    axis = fig.subplots()
+    axis.set(xlabel=xlabel, ylabel=ylabel)
+    return fig, axis
+
+
+def axes_beside() -> tuple[Figure, Axes, Axes, Axes]:
+    """A wide figure: two axes above each other, and one to the right of both."""
+    fig = figure(*WIDE_IN)
+    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
+    return fig, fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0]), fig.add_subplot(grid[:, 1])
+
+
+def note(axis: Axes, text: str, place: tuple[float, float], coords: tuple[str, str], side: Any, aside: int = 0) -> None:
+    """Small letters above a place, at its `side`, and outside the frame, too."""
+    axis.annotate(
+        text,
+        place,
+        xycoords=coords,
+        xytext=(aside, 2),
+        textcoords="offset points",
+        ha=side,
+        va="bottom",
+        fontsize="small",
+        annotation_clip=False,
+    )
+
+
+def level(axis: Axes, level_um: float, name: str) -> None:
+    """A dotted line over the width of the axes, with its name at the right end."""
+    axis.axhline(level_um, color=BEHIND, linestyle=":")
+    note(axis, name, (1.0, level_um), ("axes fraction", "data"), "right")
+
+
 def legend_above(axis: Axes) -> None:
     """The legend above the axes, where it covers no curve: in one line if it fits, or in two columns."""
     names = axis.get_legend_handles_labels()[1]
     columns = len(names) if sum(map(len, names)) + 6 * len(names) <= LETTERS_BESIDE else 2
-    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2, columnspacing=1.2)
+    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, columnspacing=1.2)
 
 
 def decimal_ticks(axis: Axes, x: bool = True) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -51,7 +51,7 @@ def loops(record: Record, simulated_um: Mapping[str, Floats], title: str, colour
     panels = np.atleast_1d(fig.subplots(1, len(simulated_um), sharex=True, sharey=True))
     keep = thinned(u_V.size)
     for panel, (name, y_um) in zip(panels, simulated_um.items(), strict=True):
-        panel.plot(u_V[keep], measured_um[keep], color=style.MEASURED, label="measured", linewidth=1.6)
+        panel.plot(u_V[keep], measured_um[keep], color=style.MEASURED, label="measured")
         panel.plot(u_V[keep], y_um[keep], color=colours[name], label=name)
         panel.set(xlabel="voltage [V]", title=name if len(simulated_um) > 1 else "")
         panel.legend(loc="upper left")
@@ -67,10 +67,7 @@ def tracking(
 
     Error: reached - reference.
     """
-    fig = style.figure(8.4, 4.2)
-    grid = fig.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
-    above, below = fig.add_subplot(grid[0, 0]), fig.add_subplot(grid[1, 0])
-    side = fig.add_subplot(grid[:, 1])
+    fig, above, below, side = style.axes_beside()
     keep = thinned(t_s.size)
     above.plot(t_s[keep], reference_um[keep], color=style.MEASURED, label="reference")
     for name, y_um in reached_um.items():
@@ -89,31 +86,21 @@ def horizon(
     levels_um: Mapping[str, float],
     Ts_s: float,
     title: str,
-    colours: Mapping[str, str],
+    lines: Mapping[str, Mapping[str, Any]],
 ) -> Figure:
     """Error rms against the horizon, both axes logarithmic, with a horizontal line for each of `levels_um`."""
-    fig = style.figure(*style.HALF_IN)
-    axes: Axes = fig.subplots()
+    fig, axis = style.axes("horizon [ms]", "error rms [µm]")
     for name, curve in curves.items():
         steps = np.array(curve.steps, dtype=np.float64)
-        axes.loglog(steps * Ts_s * 1e3, curve.rms_um, color=colours[name], marker="o", markersize=3, label=name)
+        axis.loglog(steps * Ts_s * 1e3, curve.rms_um, marker=".", label=name, **lines[name])
     for name, level_um in levels_um.items():
-        axes.axhline(level_um, color=style.NOTE, linestyle=":")
-        axes.annotate(
-            name,
-            (1.0, level_um),
-            xycoords=("axes fraction", "data"),
-            ha="right",
-            va="bottom",
-            fontsize=8,
-            color="#555555",
-        )
-    axes.set(xlabel="horizon [ms]", ylabel="error rms [µm]", title=title)
-    style.decimal_ticks(axes)
+        style.level(axis, level_um, name)
+    style.decimal_ticks(axis)
     if title:
-        axes.legend(loc="upper left")
+        axis.set_title(title)
+        axis.legend(loc="upper left")
     else:
-        style.legend_above(axes)
+        style.legend_above(axis)
     return fig
 
 

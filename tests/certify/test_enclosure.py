@@ -1,0 +1,141 @@
+"""Enclosures by hand: remainders, cells, peaks and slopes of polynomials; where contraction begins and ends."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures.random_models import random_model
+from hysgen.certify.certificates import certify
+from hysgen.certify.enclosure import (
+    ORDER,
+    RHO,
+    Cells,
+    Series,
+    _peak,
+    _tail,
+    gain,
+    gain_series,
+    slope,
+    slope_series,
+)
+from hysgen.certify.path_inverse import POINTS, _polynomial_slopes, bounded_slopes, strokes, turning_points
+from hysgen.model.membership import memberships
+from hysgen.model.model import Grid, Model
+
+
+def test_tails_are_the_rest_of_their_geometric_series() -> None:
+    for x in (0.1, 0.5, 0.8):
+        k = np.arange(ORDER, 2000.0)
+        assert _tail(np.array([x]), 0) == pytest.approx(np.sum(x**k))
+        assert _tail(np.array([x]), 1) == pytest.approx(np.sum((k + 1) * x**k))
+
+
+def test_a_cell_is_split_in_thirds_that_fill_it() -> None:
+    cells = Cells(np.array([1.0, 5.0]), np.array([0.3, 0.6]), np.array([7.0, 8.0])).thirds(np.array([False, True]))
+    assert cells.middle == pytest.approx([4.6, 5.0, 5.4])
+    assert cells.half == pytest.approx([0.2] * 3)
+    assert cells.w.tolist() == [8.0] * 3
+
+
+@pytest.mark.parametrize(
+    ("head", "half", "at", "absolute"),
+    [
+        ((1.0, 2.0, -4.0), 0.5, 0.25, False),
+        ((1.0, 2.0, -4.0), 0.1, 0.1, False),
+        ((1.0, -2.0, 0.0), 0.5, -0.5, False),
+        ((-1.0, 2.0, -4.0), 0.5, -0.5, True),
+        ((1.0, 0.0, 4.0), 0.5, -0.5, False),
+    ],
+)
+def test_the_peak_of_a_polynomial_is_bounded_by_its_quadratic_part_and_the_rest(
+    head: tuple[float, ...], half: float, at: float, absolute: bool
+) -> None:
+    c = np.zeros((1, ORDER))
+    c[0, :5] = [*head, 0.25, -0.5]
+    value, bound, place = _peak(Series(c, np.array([0.01])), np.array([half]), absolute)
+    quadratic = head[0] + head[1] * at + head[2] * at * at
+    assert place == pytest.approx(at)
+    assert value == pytest.approx(abs(quadratic + 0.25 * at**3 - 0.5 * at**4))
+    assert bound == pytest.approx(abs(quadratic) + 0.25 * half**3 + 0.5 * half**4 + 0.01)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_series_of_gain_and_slope_hold_within_their_remainders(seed: int) -> None:
+    """Remainders: gamma/delta times the tail, gamma = sum p_l e^(rho |o_l|) |g_l - mean|, from their definition."""
+    model = random_model(seed, rules=4, wild=3.0)
+    place = np.array([1.3, 2.0])
+    y_um = model.grid.ends_um[0] + model.grid.step_um * place
+    p = memberships(y_um, model.grid)
+    offset = np.abs(np.arange(4.0) - (p @ np.arange(4.0))[:, None])
+    delta = 1.0 - np.sum(p * (np.exp(RHO * offset) - 1.0 - RHO * offset), axis=1)
+    for half in (0.2, 0.4):
+        cells = Cells(place, np.full(2, half), np.full(2, 37.0))
+        found = {gain: gain_series(model)(cells), slope: slope_series(model)(cells)}
+        for t in np.linspace(-half, half, 9):
+            y = y_um + model.grid.step_um * t
+            powers = t ** np.arange(float(ORDER))
+            exact = {gain: gain(model, y), slope: slope(model, y, cells.w)}
+            for quantity, series in found.items():
+                assert (np.abs(series.coefficients @ powers - exact[quantity]) <= series.remainder + 1e-12).all()
+        q2 = model.consequents[:, 1]
+        gamma = np.sum(p * np.exp(RHO * offset) * np.abs(q2 - (p @ q2)[:, None]), axis=1)
+        tail = (half / RHO) ** ORDER / (1.0 - half / RHO)
+        assert found[gain].remainder == pytest.approx(gamma / delta * tail)
+        opposite = gain_series(model, -1.0)(cells)
+        np.testing.assert_allclose(opposite.coefficients, -found[gain].coefficients, rtol=1e-12)
+
+
+def test_contraction_ends_where_the_slope_of_two_rules_reaches_one() -> None:
+    """Two rules of slope a and gains b -+ d, h apart: df/dy = a + 2 d w p_1 p_2 / h, largest where both fire alike."""
+    grid = Grid(0.0, 10.0, 2)
+    model = Model("m", 1e-3, grid, np.array([[0.5, -0.1, 0.0], [0.5, 0.3, 0.0]]), -200.0, 200.0)
+    low, high = certify(model).contracting or (math.nan, math.nan)
+    # 0.5 + 0.01 w = 1 and -1.
+    assert (low, high) == pytest.approx((-150.0, 50.0), rel=1e-4)
+    assert high < 50.0
+    assert low > -150.0
+    for a, inputs in ((0.999, (-200.0, 200.0)), (1.0, None), (-1.0, None), (-0.999, (-200.0, 200.0))):
+        alike = Model("m", 1e-3, grid, np.array([[a, 0.1, 0.0]] * 2), -200.0, 200.0)
+        assert certify(alike).contracting == inputs
+
+
+def test_slopes_of_a_polynomial_are_bounded_beyond_its_places() -> None:
+    # d/dx T_2 = 4 x is straight: exact. d/dx T_3 = 12 x^2 - 3 leaves its chords by h^2 / 8 24, h = 2 / 4096.
+    assert _polynomial_slopes(np.array([9.0, 0.0, 0.25]), 0.4) == pytest.approx((-0.4, 0.4), rel=1e-12)
+    beyond = (2 / 4096) ** 2 / 8 * 24
+    assert _polynomial_slopes(np.array([0.0, 0.0, 0.0, 1.0]), 1.0) == pytest.approx(
+        (-3 - beyond, 9 + beyond), rel=1e-12
+    )
+
+
+def test_slopes_of_a_hysteresis_are_bounded_part_by_part() -> None:
+    """It falls with the input, so every part is turned round: a line, two plays, two Duhem states."""
+    series = SimpleNamespace(
+        curve=np.array([0.3, -2.0]),
+        plays=[np.array([-0.5]), np.array([0.0, 0.25])],
+        duhem=np.array([[-0.6, 0.1], [0.2, 0.0]]),
+    )
+    block: Any = SimpleNamespace(
+        mean_slope=-3.0, series=series, ends=(0.8, 0.4), reaches=(0.5, 0.5), low_V=-20.0, high_V=80.0
+    )
+    found = bounded_slopes(block)
+    # Line 2; plays 0.5 and -0.4 .. 0.4; Duhem states 2 (0.6 - 0.2) / 0.5 .. 2 0.6 / 0.5, and -0.8: as parts of 3.
+    # (2 - 0.4 - 0.8) / 3 and (2 + 0.5 + 0.4 + 2.4) / 3, nine digits rounded outward.
+    assert (found.least, found.largest) == pytest.approx((0.266666666, 1.76666667), rel=1e-12)
+    assert (found.mean_um_per_V, found.proved) == (pytest.approx(-0.06), True)
+
+
+def test_a_path_goes_from_turn_to_turn_and_covers_its_range() -> None:
+    first, second = strokes(np.array([0.0, 1.0, -1.0]))
+    np.testing.assert_allclose(first, np.linspace(0.0, 1.0, POINTS))
+    np.testing.assert_allclose(second, np.linspace(1.0, -1.0, POINTS))
+    turns = turning_points(-0.5, 1.0)
+    assert turns[:3].tolist() == [-0.5, 1.0, -0.5]
+    assert (turns.size, turns.min(), turns.max()) == (3 + 120 + 2 * 60, -0.5, 1.0)
+    # A loop is at most half the range wide.
+    assert np.abs(np.diff(turns[123:])[::2]).max() == pytest.approx(0.75, rel=0.05)

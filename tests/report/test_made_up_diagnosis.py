@@ -1,0 +1,691 @@
+"""A diagnosis with made-up numbers in words, cells and pictures: every number stands where it belongs, by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import platform
+import re
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from matplotlib.ticker import ScalarFormatter
+
+from fixtures.random_models import random_model
+from fixtures.term_models import model_with
+from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
+from hysgen.checking.cost import Cost, FunctionCost
+from hysgen.codegen.operations import Counts
+from hysgen.codegen.operations.cycles import Cycles
+from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
+from hysgen.diagnosis.bootstrap import Gain
+from hysgen.diagnosis.causes import Estimate
+from hysgen.diagnosis.error_map import ErrorMap, Profile, Spectrum
+from hysgen.diagnosis.evaluation import Study
+from hysgen.diagnosis.identifiability import Ability
+from hysgen.errors import BudgetError, HysgenError
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.model import Grid, Model
+from hysgen.model.scores import Score, Scores
+from hysgen.model.simulate import HorizonCurve, free_run
+from hysgen.record import Record
+from hysgen.record.noise import NoiseFloor
+from hysgen.report import words
+from hysgen.report.diagnosis import diagnosis_page, file_names, key_figures
+from hysgen.report.model import ScoredModels, folder_page, model_page
+from hysgen.report.page import PageSection, PageTable
+from hysgen.report.plots import style
+from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, pictures, spectrum_picture
+from hysgen.report.plots.diagnosis import profile_picture as drawn_profile
+from hysgen.report.plots.results import draw
+from hysgen.report.plots.shares import shares_picture
+from hysgen.report.sections import (
+    TERMS,
+    cost_section,
+    equivalence_section,
+    glossary_section,
+    model_section,
+    provenance_section,
+    uncertainty_section,
+)
+from hysgen.uncertainty.gum import Budget, Contribution
+
+TS_S = 1e-3
+N, CUT = 600, 360
+T_S = TS_S * np.arange(N)
+U_V = 50.0 + 40.0 * np.sin(2 * np.pi * 5.0 * T_S)
+Y_UM = 0.1 * U_V
+BASE, LABEL = style.BASE_MODEL, style.EXTENDED_MODEL
+
+
+def model() -> Model:
+    """y(k+1) = 0.5 y + 0.05 u over 0 .. 10 um and 0 .. 100 V: all certificates hold."""
+    return Model("made_up", TS_S, Grid(0.0, 10.0, 2), np.array([[0.5, 0.05, 0.0]] * 2), 0.0, 100.0)
+
+
+def cause(name: str, step: Gain, share: float, **other: Any) -> NamedCause:
+    return NamedCause(name, {}, f"evidence of {name}", 9.0, step, None, 0.987, 20.0, 1.5, share, **other)
+
+
+HUM = cause("periodic", Gain(0.5, 0.2, 0.25, 0.35, 1.0), 0.8, price=Price(40, 24))
+HUM = dataclasses.replace(HUM, parameters={"f_Hz": Estimate(50.0, 0.01), "s": Estimate(2.0, math.nan)})
+CREEP = cause("creep", Gain(0.2, 0.1, -0.02, 0.15, 0.9), 0.15, price=Price(-7, 12))
+
+
+def error_map(scale: float) -> ErrorMap:
+    profiles = (
+        Profile("level of the input", "V", (0.0, 50.0, 100.0), (0.2 * scale, scale), (0.0, 0.0), (9, 9)),
+        Profile("direction", "down, still, up", (-1.5, -0.5, 0.5, 1.5), (scale, math.nan, 0.4 * scale), (0.0,) * 3,
+                (3, 0, 3)),
+        Profile("frequency of the swing", "Hz", (1.0, 10.0, 100.0), (0.0, scale), (0.0, 0.0), (2, 2)),
+        Profile("time in the record", "s", (0.0, 10.0, 500.0), (scale, scale), (0.0, 0.0), (2, 2)),
+        Profile("time since the last turning point", "s", (2.0, 3.0, 100.0), (scale, scale), (0.0, 0.0), (2, 2)),
+    )  # fmt: skip
+    horizon = HorizonCurve((1, 10, 100), (0.1 * scale, 0.3 * scale, scale), (1.0,) * 3, (5,) * 3)
+    return ErrorMap(scale, 3 * scale, 0.9 * scale, horizon, profiles, Spectrum((5.0, 50.0, 200.0), (0.1, scale, 0.05)))
+
+
+def study(*causes: NamedCause, **other: Any) -> Study:
+    """The base is wrong by 0.5 um, then by 0.2 and 0.1 um; errors are constant; stroke 8 um; noise 0.01 um."""
+    levels = [0.5, *(one.step.after_um for one in causes if one.extended)]
+    extended = [one.name for one in causes if one.extended]
+    names = [BASE, *(" + ".join(extended[: i + 1]) for i in range(len(extended)))]
+    errors = tuple((name, np.full(N, level)) for name, level in zip(names, levels, strict=True))
+    values: dict[str, Any] = {
+        "causes": causes, "refused": (), "unknown": None, "base": model(), "model": model(), "base_rms_um": levels[0],
+        "extended_rms_um": levels[-1], "noise": NoiseFloor(0.01, "periods", 300), "persistence_um": 0.05,
+        "unexplained_fraction": 0.0396, "abilities": (), "next_experiment": "", "errors_um": errors,
+        "held_rows": np.arange(CUT, N),
+    }  # fmt: skip
+    record = Record.from_arrays(U_V, Y_UM, TS_S, source="a.csv")
+    return Study(Diagnosis(**(values | other)), record, CUT, error_map(0.5), error_map(levels[-1]), 8.0)
+
+
+BOTH = study(HUM, CREEP)
+RUNS = (
+    ComparedRun("made_up", "predict", "random", 700, 3),
+    ComparedRun("made_up", "predict", "edges", 300, 3),
+    ComparedRun("made_up", "inverse", "random", 50, 4),
+    ComparedRun("other", "predict", "random", 5000, 3),
+)
+MISMATCH = Mismatch("made_up", "inverse", "random", "gcc -O2", 3, "result", 0x3F800000, 0x40000000, ())
+EQUAL = Report("made_up", ("gcc -O2", "clang"), ("tcc: none",), (), RUNS, (), 1.0)
+WRONG = dataclasses.replace(EQUAL, mismatches=(MISMATCH,), altered=("made_up.c",))
+COST = Cost(
+    "made_up",
+    [
+        FunctionCost("init", Counts(1, 2, load=3, store=4), Cycles(90, False), None),
+        FunctionCost("predict", Counts(10, 20, load=30, store=40), Cycles(300, True), None),
+    ],
+    {"made_up_t": 44},
+    128,
+    Cycles(300, True),
+    3750,
+    375e6,
+    1e-5,
+    "gcc",
+)
+
+
+def text_of(axis: Any) -> dict[str, Any]:
+    return {text.get_text(): text for text in axis.texts}
+
+
+def lines_of(figure: Figure) -> dict[Any, Any]:
+    return {line.get_label(): line for line in figure.axes[0].lines}
+
+
+def cells(section: PageSection, table: int = 0) -> list[list[str]]:
+    return [list(row) for row in section.tables[table].cells]
+
+
+# In words
+
+
+def test_verdict_of_two_causes_states_size_shares_gain_and_price() -> None:
+    wrong = "The simulation is wrong by 6.2 % of the stroke: 0.5 um rms in free run, held out; the noise is 0.01 um."
+    gain = "in the model: 1.2 %, 0.1 um, 5 times less, for about 33 more cycles a sample and 36 more bytes."
+    share = "Of that error (of its power above the noise)"
+    assert words.verdict(BOTH) == [wrong, f"{share} periodic is 80 % and creep is 15 %.", f"With both {gain}"]
+    turned = study(dataclasses.replace(HUM, share=0.1), CREEP, unknown="a jump")
+    assert words.verdict(turned)[1:] == [
+        f"{share} creep is 15 % and periodic is 10 %.", f"With both {gain}",
+        "None of the known causes explains the following: a jump.",
+    ]  # fmt: skip
+    small = [dataclasses.replace(CREEP, share=value) for value in (0.004, -0.004, 0.005, -0.005)]
+    ends = ["creep less than 1 %", "creep less than 1 %", "creep is 0 %", "creep adds 0 % here"]
+    assert [words.verdict(study(HUM, one))[1] for one in small] == [f"{share} periodic is 80 % and {e}." for e in ends]
+    assert words.verdict(study(HUM))[2].startswith("With it in the model: 2.5 %, 0.2 um, 2.5 times less, for about 40 ")
+    third = study(HUM, CREEP, dataclasses.replace(CREEP, name="drift", share=-0.12, price=None))
+    assert words.verdict(third)[1:] == [
+        f"{share} periodic is 80 %, creep is 15 % and drift adds 12 % here.",
+        "With all of them in the model: 1.2 %, 0.1 um, 5 times less.",
+    ]
+    assert words.total_price(third) is None
+    assert words.total_price(BOTH) == Price(33, 36)
+
+
+def test_verdict_without_an_extension_says_why() -> None:
+    assert words.verdict(study())[1:] == [
+        "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."
+    ]
+    assert "none of the known causes explains: a jump." in words.verdict(study(unknown="a jump"))[1]
+    refused = (Refused("creep", "too slow"), Refused("drift", "too small"))
+    assert words.verdict(study(refused=refused))[1] == (
+        "No cause is certain, and the error is 50 times the noise. Not named: creep: too slow; drift: too small."
+    )
+    # 5 times the noise is not yet far above it.
+    for noise_um, far in ((0.1, False), (0.0999, True)):
+        said = words.verdict(study(refused=refused, noise=NoiseFloor(noise_um, "periods", 1)))[1]
+        assert said.startswith("No cause is certain") == far
+    lost = dataclasses.replace(HUM, extended=False)
+    assert words.verdict(study(lost, unknown="a jump"))[1:] == [
+        "The model written is the paper's: no extension lowers the held-out error for certain.",
+        f"{lost.why_not_extended}.", "None of the known causes explains the following: a jump.",
+    ]  # fmt: skip
+    deviation = float(np.std(Y_UM[CUT:]))
+    for part, useless in ((0.89, False), (0.91, True)):
+        said = words.verdict(study(extended_rms_um=part * deviation))[1]
+        assert said.startswith("A constant is as good as every model of the displacement: it does") == useless
+    record = Record.from_arrays(U_V, 0.1 * np.roll(np.random.default_rng(3).normal(size=N), 0), TS_S)
+    assert "aligned" not in "".join(words.verdict(dataclasses.replace(study(), record=record)))
+
+
+def test_terminal_shows_rows_notes_evidence_and_refusals() -> None:
+    kept = dataclasses.replace(CREEP, beside=Gain(0.2, 0.1, 0.01, 0.02, 1.0))
+    abilities = (Ability("drift", "above", 0.5, "um"), Ability("periodic", "named"))
+    whole = study(
+        HUM, kept, refused=(Refused("delay", "too short"),), abilities=abilities, held_change="a step",
+        next_experiment="rest longer",
+    )  # fmt: skip
+    blocks = words.diagnosis_text(whole).split("\n\n")
+    assert blocks[0] == "a.csv: 360 rows to identify; scores are of the 240 held out"
+    assert blocks[2].splitlines()[-4:] == [
+        "noise floor from repeated periods; gain: fall of the rms, block bootstrap; of the error: share of its power "
+        "above the noise",
+        words.CONFIDENCE, kept.why_kept, "scores: a step",
+    ]  # fmt: skip
+    assert blocks[3].splitlines() == [
+        "periodic: evidence of periodic (f 50.000 ± 0.010 Hz, s 2)", "creep: evidence of creep",
+        "not named: delay: too short", "could show drift: only an effect of at least 0.5 um",
+    ]  # fmt: skip
+    assert blocks[4].splitlines()[0].split() == ["error", "rms", "by", "paper's", "model", "extended"]
+    assert blocks[5].splitlines()[0] == "model: 2 rules"
+    assert blocks[6] == "next experiment: rest longer"
+    plain = words.diagnosis_text(study()).split("\n\n")
+    assert words.CONFIDENCE not in plain[2]
+    assert plain[3].splitlines()[0].split() == ["error", "rms", "by", "paper's", "model"]
+    assert len(plain) == 5
+    late = words.diagnosis_text(study(held_rows=np.arange(CUT + 40, N))).splitlines()[0]
+    assert "360 rows to identify; scores are of 200 of the 240 held out: the first rows of a file" in late
+    assert [row[0] for row in words.where_rows(whole)] == [one.quantity for one in whole.before.profiles]
+    assert words.where_rows(whole)[0][1:] == ["0.1 um (25 V) .. 0.5 um (75 V)", "0.02 um (25 V) .. 0.1 um (75 V)"]
+    assert words.where_rows(study())[0][1:] == ["0.1 um (25 V) .. 0.5 um (75 V)"]
+
+
+def test_parameters_have_their_unit_and_two_digits_of_their_error() -> None:
+    found = {
+        "corner_um_per_s": (0.25, 0.1), "half_widths": (12.0, 1.0), "tiny_um": (3e-9, 2e-10), "at_V": (2.0, 0.0),
+        "small_um": (3.1e-8, 2e-8), "odd": (1234.0, 99.0), "late_samples": (7.25, math.inf),
+    }  # fmt: skip
+    one = dataclasses.replace(HUM, parameters={key: Estimate(*pair) for key, pair in found.items()})
+    assert words.parameter_text(study(one), "periodic").split(", ") == [
+        "corner 0.25 ± 0.10 um/s", "half widths 12.0 ± 1.0", "tiny 3e-09 ± 2e-10 um", "at 2 V",
+        "small 0.000000031 ± 0.000000020 um", "odd 1234 ± 99", "late 7.25 samples",
+    ]  # fmt: skip
+
+
+def test_price_is_none_where_no_c_can_be_generated(monkeypatch: pytest.MonkeyPatch) -> None:
+    price = words.price_of(model())
+    assert price is not None
+    assert min(price.cycles, price.bytes) > 0
+
+    def refused(*_: Any) -> None:
+        raise BudgetError("too slow")
+
+    monkeypatch.setattr(words, "cost_figures", refused)
+    assert words.price_of(model()) is None
+
+
+# In sections and key figures
+
+
+def test_model_section_states_ranges_parts_and_certificates() -> None:
+    rough = random_model(2, wild=3.0)
+    section = model_section(model())
+    assert cells(section)[:4] == [
+        ["rules", "2 over 0 .. 10 um"], ["displacement range", "0 .. 10 um"], ["input range", "0 .. 100 V"],
+        ["sampling period", "1000 µs"],
+    ]  # fmt: skip
+    assert section.text == ["made_up: first-order lag, time constant 0.00144 s; DC gain 0.1 um/V"]
+    assert [row[2].split()[0] for row in cells(section, 1)] == ["gain", "slope", "inverse:"]
+    assert "6 consequents of the rules, 0 weights" in section.notes[0]
+    assert [row[1] for row in cells(section, 1)] == ["yes"] * 3
+    assert "NO" in [row[1] for row in cells(model_section(rough), 1)]
+    with_term = model_section(model_with([Periodic((50.0,))]))
+    assert [row[0] for row in cells(with_term)[4:]] == ["disturbance: periodic"]
+    assert ", 2 weights" in with_term.notes[0]
+
+
+def test_equality_is_told_by_function_with_every_difference() -> None:
+    assert cells(equivalence_section(EQUAL)) == [
+        ["made_up", "predict", "1000", "3", "equal"], ["made_up", "inverse", "50", "4", "equal"],
+        ["other", "predict", "5000", "3", "equal"],
+    ]  # fmt: skip
+    assert equivalence_section(EQUAL).text == ["Equal in every bit over 1050 samples per build."]
+    assert equivalence_section(EQUAL).notes == ["Builds: gcc -O2, clang.", "Not compared: tcc: none."]
+    wrong = equivalence_section(WRONG)
+    assert [row[4] for row in cells(wrong)] == ["equal", "1 differ", "equal"]
+    assert wrong.text == ["NOT EQUAL: 1 runs differ."]
+    assert wrong.notes[2:] == ["Altered: made_up.c.", f"Different: {MISMATCH}."]
+    assert list(wrong.tables[0].numbers) == [3, 4]
+    assert equivalence_section(None, "no compiler").text == ["Not compared: no compiler."]
+
+
+def test_cost_is_told_by_function_and_against_the_period() -> None:
+    section = cost_section(COST)
+    assert cells(section) == [["init", "~90", "2.4 %", "3", "7"], ["predict", "300", "8 %", "30", "70"]]
+    assert section.text == ["One sample takes 300 cycles of 3750 at 100 kHz and 375 MHz: 8 %."]
+    assert section.notes[0] == "Bytes: made_up_t 44, constants 128."
+    assert section.notes[1].startswith("~ cycles are estimated")
+    measured = cost_section(dataclasses.replace(COST, functions=COST.functions[1:]))
+    assert len(measured.notes) == len(section.notes) - 1
+    assert cost_section(None, "no C").text == ["Not known: no C."]
+
+
+def test_uncertainty_section_has_the_budget_and_the_removed_errors() -> None:
+    parts = (Contribution("sensor", 0.003, "B", "data sheet"), Contribution("noise", 0.004, "A", "record"))
+    found: Any = type("Found", (), {
+        "budget": Budget("displacement", parts), "removed": (("creep", 0.01234),), "missing": ("drift",),
+    })  # fmt: skip
+    section = uncertainty_section(found)
+    expected = (
+        "Expanded uncertainty 0.0098 um: k = 1.96 for a coverage of 95 %, combined standard uncertainty 0.005 um."
+    )
+    assert section.text == [expected]
+    assert cells(section)[0] == ["sensor", "B", "0.003", "inf", "36.0 %", "data sheet"]
+    assert list(section.tables[0].numbers) == [3, 4, 5]
+    assert cells(section, 1) == [["creep", "0.0123"]]
+    assert list(section.tables[1].numbers) == [2]
+    assert section.notes[0] == "Not known: drift."
+    found.removed = ()
+    assert len(uncertainty_section(found).tables) == 1
+
+
+def test_glossary_has_every_word_with_its_meaning() -> None:
+    assert cells(glossary_section()) == [list(term) for term in TERMS]
+    assert list(glossary_section().tables[0].header) == ["word", "meaning"]
+
+
+def test_provenance_lists_facts_settings_and_versions() -> None:
+    made = dataclasses.replace(model(), history={"fit": {"rules": 2, "terms": ["x"], "blocks": [], "method": "batch"}})
+    rows = cells(provenance_section(made, [("record", "a.csv")]))
+    assert rows[0] == ["record", "a.csv"]
+    assert re.fullmatch(r"made_up, SHA-256 [0-9a-f]{64}", rows[1][1])
+    assert rows[2] == ["fit settings", 'rules 2, method "batch"']
+    assert rows[4][1] == f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"
+    for history in ({}, {"fit": "unknown"}):
+        assert cells(provenance_section(dataclasses.replace(model(), history=history), []))[1][1].startswith("not rec")
+
+
+def test_key_figures_are_those_of_the_diagnosis_and_of_its_c() -> None:
+    shown = {figure.label: (figure.value, figure.note) for figure in key_figures(BOTH, WRONG, COST)}
+    fit = 100.0 * (1.0 - 0.1 / float(np.std(Y_UM[CUT:])))
+    assert shown == {
+        f"free run, {BASE}": ("0.5 µm", "6.2 % of the stroke, held out"),
+        "free run, extended": ("0.1 µm", "1.2 % of the stroke, held out"),
+        "fit (NRMSE)": (f"{fit:.4g} %", "free run of the model written, held out"),
+        "noise floor": ("0.01 µm", "from repeated periods"),
+        "price a sample": ("+33 cycles", "+36 bytes; 8 % of a sample in all"),
+        "generated C": ("NOT EQUAL", "1050 samples per build"),
+    }
+    few = {figure.label: figure for figure in key_figures(study(), EQUAL, None)}
+    assert list(few) == [f"free run, {BASE}", "fit (NRMSE)", "noise floor", "generated C"]
+    assert few["generated C"].value == "equal bits"
+    assert few["fit (NRMSE)"].value == f"{100.0 * (1.0 - 0.5 / float(np.std(Y_UM[CUT:]))):.4g} %"
+    assert key_figures(study(HUM), None, None)[-1].note == "+24 bytes"
+    terms = {word for word, _ in TERMS}
+    assert all(
+        figure.explained and figure.label.partition(",")[0] in terms for figure in key_figures(BOTH, EQUAL, COST)
+    )
+    assert file_names("a.csv[0:5], b.csv, a.csv[7:9]") == "a.csv, b.csv"
+
+
+def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> None:
+    lost = cause("drift", CREEP.step, 0.0, extended=False)
+    whole = study(
+        dataclasses.replace(HUM, share=0.1), CREEP, lost, unknown="a jump", held_change="a step",
+        next_experiment="rest longer", refused=(Refused("delay", "too short"),),
+        abilities=(Ability("periodic", "named"), Ability("slew", "above", 0.5, "V/s")),
+    )  # fmt: skip
+    page = diagnosis_page(whole, proof=(EQUAL, COST), command="hysgen diagnose a.csv")
+    assert page.title == "a.csv: what the simulation gets wrong"
+    assert list(page.lead) == words.verdict(whole)
+    by_title = {section.title: section for section in page.sections}
+    causes = by_title["Causes and their evidence"]
+    assert cells(causes) == [
+        ["creep", "15.0 %", "0.987", "evidence of creep", ""],
+        ["periodic", "10.0 %", "0.987", "evidence of periodic", "f 50.000 ± 0.010 Hz, s 2"],
+        ["drift", "not extended", "0.987", "evidence of drift", ""],
+        ["unknown", "4.0 %", "", "a jump", ""],
+    ]
+    assert cells(causes, 1)[0] == ["periodic", "yes: named"]
+    assert cells(causes, 1)[1] == ["slew", "only an effect of at least 0.5 V/s"]
+    assert cells(causes, 2) == [["delay", "too short"]]
+    assert f"{lost.why_not_extended}." in causes.notes
+    assert causes.notes[-2:] == [f"C{words.CONFIDENCE[1:]}.", "Next experiment: rest longer."]
+    assert [picture.name for picture in causes.pictures] == ["shares"]
+    ladder = next(section for title, section in by_title.items() if title.startswith("What each"))
+    assert cells(ladder) == whole.ladder()
+    assert ladder.notes[0] == "Scores: a step."
+    assert ladder.notes[-1].startswith("Not explained: 4.0 % of the power")
+    where = by_title["Where the error lies"]
+    assert where.text[0].startswith("45 % of the power")
+    assert ", 9 % of that of the extended model." in where.text[0]
+    assert [one.name for one in where.pictures][:5] == [
+        "time",
+        "horizon",
+        "autocorrelation",
+        "cross-correlation",
+        "spectrum",
+    ]
+    assert len(where.pictures) == 10
+    assert [one.name for one in by_title["The record"].pictures] == ["record", "record-loops", "record-spectrum"]
+    facts = dict(cells(by_title["Provenance"]))
+    assert (facts["command"], facts["record"]) == ("hysgen diagnose a.csv", "a.csv")
+    assert (facts["identified on"], facts["scored on"]) == ("rows 0 to 359", "rows 360 to 599")
+    assert facts["sampling period"] == "1000 µs"
+    numbers = {table.caption or head: list(table.numbers) for head, one in by_title.items() for table in one.tables}
+    assert {name: columns for name, columns in numbers.items() if columns} == {
+        ladder.title: [2, 3, 4, 5, 6, 7, 8], "Cost against budget": [2, 3, 4, 5],
+        "Generated C against its reference": [3, 4],
+    }  # fmt: skip
+    empty = {one.title: one for one in diagnosis_page(study(), proof=(EQUAL, COST)).sections}
+    assert empty["Causes and their evidence"].text[0].startswith("None: the error of the paper's model is not above")
+    assert [table.caption for table in empty["Causes and their evidence"].tables] == ["What this record can tell"]
+    assert "command" not in dict(cells(empty["Provenance"]))
+
+
+def scored(name: str, one_step_um: float, free_um: float) -> Scores:
+    score = Score(free_um, 2 * free_um, 5.0, 1.25, 600)
+    curve = HorizonCurve((1, 10), (one_step_um, free_um), (1.0, 1.0), (5, 5))
+    return Scores(name, "a.csv", "", 0, dataclasses.replace(score, e_rms_um=one_step_um), score,
+                  dataclasses.replace(score, e_rms_um=0.07), curve, NoiseFloor(0.01, "plateaus", 9), 0, 0, TS_S,
+                  warnings=(f"{name} is odd",))  # fmt: skip
+
+
+def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None:
+    record = Record.from_arrays(U_V, Y_UM, TS_S, source="a.csv")
+    other = dataclasses.replace(model(), name="other")
+    rivals = [("line", Score(0.9, 1.8, 5.0, 1.25, 600))]
+    shown = ScoredModels(
+        record, {"a": model(), "b": other}, {"a": scored("a", 0.02, 0.4), "b": scored("b", 0.005, 0.3)}, rivals
+    )
+    page = model_page("title", shown, EQUAL, COST, "command")
+    assert list(page.lead) == ["Free run over 600 samples: a 0.4 um rms, b 0.3 um rms; the noise is 0.01 um."]
+    assert [figure.label for figure in page.figures] == [
+        "free run, a", "free run, b", "noise floor", "one sample", "generated C",
+    ]  # fmt: skip
+    assert page.figures[0].value == "0.4 µm"
+    assert page.figures[0].note.startswith("1.2 % of the stroke; fit (NRMSE) ")
+    assert [(one.value, one.note) for one in page.figures[2:]] == [
+        ("0.01 µm", "from rests of the input"), ("300 cycles", "8 % of its period"),
+        ("equal bits", "1050 samples per build"),
+    ]  # fmt: skip
+    assert [row[:2] for row in cells(page.sections[0])] == [
+        ["a, free run", "0.40000"], ["b, free run", "0.30000"], ["a, one step", "0.02000"], ["b, one step", "0.00500"],
+        ["persistence, one step", "0.07000"], ["line, free run", "0.90000"],
+    ]  # fmt: skip
+    assert list(page.sections[0].tables[0].numbers) == [2, 3, 4, 5]
+    notes = page.sections[0].notes
+    assert "below it" in notes[0]
+    assert list(notes[1:3]) == ["Warning: a is odd.", "Warning: b is odd."]
+    drawn = {picture.name: picture for picture in page.sections[1].pictures}
+    free = lines_of(drawn["free-run"].figure)
+    np.testing.assert_allclose(free["b"].get_ydata(), free_run(other, record)[0].y_um)
+    np.testing.assert_allclose(free["b"].get_xdata(), T_S)
+    assert (free["a"].get_color(), free["b"].get_color()) == (style.SIMULATED, style.EXTENDED)
+    assert drawn["horizon"].alt == "Error rms from one step on: a 0.02 to 0.4 µm, b 0.005 to 0.3 µm."
+    titles = [section.title for section in page.sections]
+    assert titles[3:5] == ["Generated C against its reference", "Cost against budget"]
+    assert len(model_page("", shown).sections) == len(titles) - 2
+    assert len(model_page("", shown, EQUAL).sections) == len(titles)
+    provenance = dict(cells(page.sections[-1]))
+    assert (provenance["command"], provenance["model"].split(",")[0]) == ("command", "other")
+    estimate = dataclasses.replace(COST, per_sample=Cycles(300, False))
+    folder = folder_page(model(), WRONG, estimate)
+    assert [(one.value, one.note) for one in folder.figures] == [
+        ("NOT EQUAL", "1050 samples per build"), ("~300 cycles", "of 3750"),
+    ]  # fmt: skip
+    assert list(folder.lead) == [f"{WRONG.summary().title}."]
+    assert folder_page(model(), EQUAL, COST).figures[0].value == "equal bits"
+
+
+# In pictures
+
+
+def test_horizon_and_spectrum_are_drawn_in_their_units() -> None:
+    shown = [(BASE, error_map(0.5)), (LABEL, error_map(0.1))]
+    picture = horizon_picture(shown, BOTH)
+    (axis,) = picture.figure.axes
+    drawn = lines_of(picture.figure)
+    np.testing.assert_allclose(drawn[BASE].get_xdata(), [1.0, 10.0, 100.0])
+    np.testing.assert_allclose(drawn[LABEL].get_ydata(), [0.01, 0.03, 0.1])
+    assert (drawn[BASE].get_color(), drawn[LABEL].get_color()) == (style.SIMULATED, style.EXTENDED)
+    assert [text.get_text() for text in axis.get_legend().get_texts()] == [BASE, LABEL]
+    levels = {name: text.xy for name, text in text_of(axis).items()}
+    assert levels == {"noise floor": (1.0, 0.01), "persistence, 1 step": (1.0, 0.05)}
+    assert [line.get_ydata()[0] for line in axis.lines[2:]] == [0.01, 0.05]
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("horizon [ms]", "error rms [µm]")
+    assert (axis.get_xscale(), axis.get_yscale()) == ("log", "log")
+    assert [tick(2e-5, 0) for tick in (axis.xaxis.get_major_formatter(), axis.yaxis.get_major_formatter())] == [
+        "0.00002"
+    ] * 2
+    ends = "paper's model 0.05 to 0.5 µm; extended model 0.01 to 0.1 µm"
+    assert picture.alt == f"Error rms from 1 to 100 samples ahead: {ends}."
+    picture = spectrum_picture(shown)
+    np.testing.assert_array_equal(lines_of(picture.figure)[LABEL].get_ydata(), [0.1, 0.1, 0.05])
+    np.testing.assert_array_equal(lines_of(picture.figure)[LABEL].get_xdata(), [5.0, 50.0, 200.0])
+    assert picture.alt == "Largest bands: paper's model 0.5 µm at 50 Hz; extended model 0.1 µm at 5 Hz."
+    assert picture.figure.axes[0].xaxis.get_major_formatter()(2e-5, 0) == "0.00002"
+    assert picture.figure.axes[0].get_legend() is not None
+
+
+def test_profiles_have_gaps_decades_and_directions() -> None:
+    shown = [(BASE, error_map(0.5)), (LABEL, error_map(0.1))]
+    drawn = [drawn_profile(shown, number) for number in range(5)]
+    axes = [picture.figure.axes[0] for picture in drawn]
+    assert [axis.get_xscale() for axis in axes] == ["linear", "linear", "log", "linear", "linear"]
+    assert [axis.get_yscale() for axis in axes] == ["log"] * 5
+    heights = [step.get_data() for step in axes[0].patches]
+    assert [list(step.values) for step in heights] == [[0.1, 0.5], pytest.approx([0.02, 0.1])]
+    assert list(heights[0].edges) == [0.0, 50.0, 100.0]
+    assert axes[0].get_ylim() == pytest.approx((0.01, 1.0))
+    assert isinstance(axes[0].xaxis.get_major_formatter(), ScalarFormatter)
+    assert axes[0].get_xlabel() == "level of the input [V]"
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == [BASE, LABEL]
+    assert [tick.get_text() for tick in axes[1].get_xticklabels()] == ["down", "still", "up"]
+    assert list(axes[1].get_xticks()) == [-1, 0, 1]
+    assert axes[1].get_xlabel() == "direction of the input"
+    # A bin without error is a gap on a logarithmic axis.
+    assert np.isnan(axes[2].patches[0].get_data().values[0])
+    assert axes[2].xaxis.get_major_formatter()(2e-5, 0) == "0.00002"
+    assert [one.name for one in drawn] == [
+        f"error-by-{end}" for end in ("level", "direction", "frequency", "time-in-the-record",
+                                      "time-since-the-last-turning-point")
+    ]  # fmt: skip
+    nothing = dataclasses.replace(
+        error_map(0.5), profiles=(dataclasses.replace(error_map(0.5).profiles[0], rms_um=(0.0, 0.0)),)
+    )
+    assert drawn_profile([(BASE, nothing)], 0).figure.axes[0].get_ylim() == pytest.approx((1e-9, 2e-9))
+
+
+def test_ladder_is_drawn_row_by_row_with_numbers_beside_its_frame() -> None:
+    doubtful = dataclasses.replace(CREEP, price=None)
+    picture = ladder_picture(study(HUM, doubtful))
+    (axis,) = picture.figure.axes
+    points = [line for line in axis.lines if line.get_marker() == "o"]
+    assert [(line.get_xdata()[0], line.get_ydata()[0]) for line in points] == [(0.5, 0), (0.2, 1), (0.1, 2)]
+    assert [line.get_color() for line in points] == [style.SIMULATED, style.EXTENDED, style.EXTENDED]
+    bars = [line for line in axis.lines if line.get_linewidth() == BAR]
+    # After the step plus the interval of its gain: 0.2 + (0.25, 0.35) and 0.1 + (-0.02, 0.15).
+    assert [list(bar.get_xdata()) for bar in bars] == [pytest.approx([0.45, 0.55]), pytest.approx([0.08, 0.25])]
+    assert [list(bar.get_ydata()) for bar in bars] == [[1, 1], [2, 2]]
+    steps = [line for line in axis.lines if line.get_color() == style.NOTE]
+    assert [list(step.get_xdata()) for step in steps] == [[0.5, 0.2], [0.2, 0.1]]
+    # From 0.6 of the noise to 1.5 times the highest end of a bar.
+    assert axis.get_xlim() == pytest.approx((0.006, 0.825))
+    assert axis.get_ylim() == pytest.approx((2.5, -0.5))
+    assert [tick.get_text() for tick in axis.get_yticklabels()] == [BASE, "+ periodic", "+ creep"]
+    found = [text.get_text() for text in axis.texts]
+    assert found == ["noise floor", "rms [µm]", "0.5", "0.2", "0.1", "cycles", "", "+40", "?"]
+    cells_at = [text.get_position() for text in axis.texts if text.get_text() in ("0.5", "0.2", "0.1", "+40", "?")]
+    assert [row for _, row in cells_at] == [0, 1, 2, 1, 2]
+    assert all(1.0 < place < 1.25 for place, _ in cells_at)
+    assert text_of(axis)["noise floor"].xy == (0.01, 1.0)
+    assert [line.get_xdata()[0] for line in axis.lines if line.get_linestyle() == ":"] == [0.01]
+    assert axis.get_xlabel() == "free run, held out, rms [µm]"
+    assert axis.get_xscale() == "log"
+    assert picture.alt.endswith("paper's model 0.5 µm, + periodic 0.2 µm, + creep 0.1 µm; noise floor 0.01 µm.")
+    assert picture.wide
+    # A gain that may be as large as the error itself: its bar begins at the frame.
+    wide = ladder_picture(study(cause("drift", Gain(0.5, 0.2, -0.3, 0.1, 0.5), 0.1))).figure.axes[0]
+    (bar,) = [line for line in wide.lines if line.get_linewidth() == BAR]
+    assert list(bar.get_xdata()) == pytest.approx([0.006, 0.3])
+    taller = ladder_picture(study()).figure.get_size_inches()[1]
+    assert 0.3 < (picture.figure.get_size_inches()[1] - taller) / 2 < 0.45
+
+
+def test_shares_are_stacked_over_the_time_of_the_record() -> None:
+    picture = shares_picture(BOTH)
+    (axis,) = picture.figure.axes
+    # p = 0.25, 0.04, 0.01: noise 0.0001 and the rest of 0.01 are not explained; periodic 0.21, creep 0.03.
+    tops = [0.04, 4.0, 88.0, 100.0]
+    bands = [band.get_paths()[0].vertices for band in axis.collections]
+    assert [float(band[:, 1].max()) for band in bands] == pytest.approx(tops)
+    assert [float(band[:, 0].max()) for band in bands] == pytest.approx([0.6] * 4)
+    assert [band.get_label() for band in axis.collections] == ["noise", "not explained", "periodic", "creep"]
+    assert (axis.get_xlim(), axis.get_ylim()) == ((0.0, pytest.approx(0.6)), (0.0, 100.0))
+    assert axis.lines[0].get_xdata()[0] == text_of(axis)["held out"].xy[0] == pytest.approx(0.36)
+    legend = [text.get_text() for text in picture.figure.legends[0].get_texts()]
+    assert legend == ["creep", "periodic", "not explained", "noise"]
+    assert picture.alt.endswith("held-out part: noise 0 %, not explained 4 %, periodic 84 %, creep 12 %.")
+    assert (axis.get_xlabel(), axis.get_ylabel()) == ("time [s]", "share of the error's power [%]")
+    # Held-out rows alone count in the words.
+    early = np.where(np.arange(N) < CUT, 0.5, 0.2)
+    errors = (BOTH.diagnosis.errors_um[0], (BASE, early))
+    halved = dataclasses.replace(BOTH, diagnosis=dataclasses.replace(BOTH.diagnosis, errors_um=errors))
+    assert "not explained 16 %, paper's model 84 %" in shares_picture(halved).alt
+
+
+def test_all_pictures_of_a_study_stand_in_reading_order_and_in_one_style() -> None:
+    drawn = pictures(BOTH)
+    names = [picture.name for picture in drawn]
+    assert names == [
+        "record", "record-loops", "record-spectrum", "free-run", "zoom", "loops-1", "loops-2", "gain", "phase", "time",
+        "horizon", "autocorrelation", "cross-correlation", "spectrum", "error-by-level", "error-by-direction",
+        "error-by-frequency", "error-by-time-in-the-record", "error-by-time-since-the-last-turning-point", "shares",
+        "ladder",
+    ]  # fmt: skip
+    assert len(pictures(study())) == len(names) - 2  # no loops-2, no shares
+    np.testing.assert_allclose(lines_of(drawn[3].figure)[LABEL].get_ydata(), Y_UM[CUT:] + 0.1)
+    for picture in drawn:
+        width, height = picture.figure.get_size_inches()
+        assert (4.0 < width < 10.0, 2.0 < height < 5.0, picture.wide) == (True, True, width > 9.0), picture.name
+        for axis in picture.figure.axes:
+            grid = axis.xaxis.get_gridlines()[0]
+            assert grid.get_visible(), picture.name
+            assert axis.get_axisbelow() is True
+            assert grid.get_linewidth() < 0.7
+            assert not any(axis.spines[side].get_visible() for side in ("top", "right"))
+            assert all(0.5 < line.get_linewidth() < 2.5 for line in axis.lines if line.get_linewidth() != BAR)
+            assert all(7.0 <= text.get_fontsize() <= 9.5 for text in [*axis.texts, *axis.get_xticklabels()])
+            notes = [text for text in axis.texts if isinstance(text, Annotation)]
+            assert all((text.get_annotation_clip(), text.xyann[1]) == (False, 2) for text in notes)
+            legend = axis.get_legend()
+            if legend is not None:
+                assert not legend.get_frame_on()
+                assert all(8.0 <= text.get_fontsize() <= 9.0 for text in legend.get_texts())
+    png = style.png_bytes(drawn[-1].figure)
+    assert struct.unpack(">I", png[16:20])[0] == 1440  # 9.6 in at 150 dots an inch
+    assert b"2026" not in style.svg_bytes(drawn[-1].figure)[:900]
+
+
+@pytest.mark.parametrize(("swing_px", "points"), [(0.2, range(100)), (3.0, range(190, 210))])
+def test_curves_of_a_page_lose_only_what_nobody_sees(swing_px: float, points: range) -> None:
+    fig = style.figure(2.0, 2.0)
+    axis = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+    axis.plot(np.arange(200.0), 0.5 + swing_px / 144.0 * (np.arange(200) % 2), gid="curve")
+    axis.set(xlim=(0, 199), ylim=(0, 1))
+    axis.axis("off")
+    path = re.search(rb'id="curve">\s*<path d="([^"]*)"', style.svg_bytes(fig))
+    assert path is not None
+    assert path.group(1).count(b"L") in points
+
+
+def test_legend_stands_above_its_axes_and_inside_the_picture() -> None:
+    fig, axis = style.axes("x", "y")
+    for name in ("the paper's model", "extended model", "measured"):
+        axis.plot([0, 1], label=name)
+    style.legend_above(axis)
+    fig.canvas.draw()
+    box, frame = axis.get_legend().get_window_extent(), axis.get_window_extent()
+    assert 0.0 <= box.y0 - frame.y1 < 12.0
+    assert box.x0 - frame.x0 < 12.0
+    assert box.x1 < fig.bbox.x1
+
+
+def test_results_are_drawn_with_their_own_numbers(tmp_path: Any) -> None:
+    record = Record.from_arrays(U_V, Y_UM, TS_S, source="a.csv")
+    above, below, side = draw(record).figure.axes
+    np.testing.assert_allclose(above.lines[0].get_xydata(), np.column_stack([T_S, U_V]))
+    np.testing.assert_allclose(below.lines[0].get_xydata(), np.column_stack([T_S, Y_UM]))
+    np.testing.assert_allclose(side.lines[0].get_xydata(), np.column_stack([U_V, Y_UM]))
+    assert above.get_title(loc="left") == "a.csv"
+    assert [axis.get_xlabel() for axis in (above, below, side)] == ["", "time [s]", "voltage [V]"]
+    assert [axis.get_ylabel() for axis in (above, below, side)] == ["voltage [V]", *["displacement [µm]"] * 2]
+    assert above.get_position().width > side.get_position().width
+    ends = [axis.get_position().extents for axis in (above, below, side)]
+    # The axes at the side are as high as the two others together.
+    assert (ends[2][1], ends[2][3]) == pytest.approx((ends[1][1], ends[0][3]))
+    (axis,) = draw(model()).figure.axes
+    assert (axis.get_ylim()[0], axis.get_xscale(), axis.get_title(loc="left")) == (0.0, "log", "made_up")
+    assert axis.get_ylabel() == "loop fills its box [%]"
+    # The line of a first-order lag at 0.1103 Hz and at 50 Hz.
+    assert axis.lines[0].get_ydata()[[0, -1]] == pytest.approx([0.11, 43.68], abs=0.01)
+    figure = draw(model(), record).figure
+    assert figure.axes[0].get_title(loc="left") == "made_up on a.csv"
+    expected = free_run(model(), record)[0].y_um - Y_UM
+    np.testing.assert_allclose(figure.axes[1].lines[0].get_ydata(), expected)
+    (axis,) = draw(scored("a", 0.02, 0.4)).figure.axes
+    assert [(name, text.xy[1]) for name, text in text_of(axis).items()] == [("noise floor", 0.01), ("free run", 0.4)]
+    np.testing.assert_allclose(axis.lines[0].get_xydata(), [[1.0, 0.02], [10.0, 0.4]])
+    assert axis.get_title(loc="left") == "a on a.csv"
+    assert axis.get_legend() is not None
+    (axis,) = draw(COST).figure.axes
+    # Without `init`, which runs once.
+    assert [bar.get_width() for bar in axis.patches] == [300]
+    assert axis.lines[0].get_xdata()[0] == 3750
+    assert axis.get_legend().get_texts()[0].get_text() == "sample period, 3750"
+    assert axis.yaxis_inverted()
+    assert axis.get_title(loc="left") == "made_up"
+    assert 1.0 < axis.figure.get_size_inches()[1] < 2.0
+    assert draw(BOTH).figure.axes[0].get_xlabel() == "free run, held out, rms [µm]"
+    with pytest.raises(HysgenError, match="there is no such picture; choose one of record, "):
+        draw(BOTH, "nothing")
+    with pytest.raises(HysgenError, match="int: there is nothing to plot"):
+        draw(1)
+    for name, head in (("a.svg", b"<?xml"), ("a.png", b"\x89PNG")):
+        assert draw(record).save(tmp_path / name).read_bytes().startswith(head)
+
+
+def test_tables_and_decimals_of_a_page() -> None:
+    made = PageTable(["a", "b"], [["x, y", "1"]])
+    assert made.csv_uri == "data:text/csv;base64,YSxiCiJ4LCB5IiwxCg=="
+    assert json.dumps(error_map(0.5).to_json()["by"][1]["rms_um"]) == "[0.5, null, 0.2]"
