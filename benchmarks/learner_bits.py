@@ -1,6 +1,6 @@
 """Long chains of updates of the compiled learner, compared with its NumPy reference: 6 to 36 parameters, every build.
 
-Every word of the learner's state after every sample is compared, by induction (`hysgen.checking.bits.induction`), at
+Every word of the learner's state after every sample is compared, by induction (`hysgen.checking.bits.functions`), at
 gcc and clang, -O0, -O2 and -O3, with and without flush to zero. The plant is the model with 5 % less gain, and noise;
 its input is constant for a fifth of the time.
 
@@ -16,11 +16,9 @@ import time
 
 from smooth_model import smooth
 
-from hysgen.checking.bits.builds import COMPILERS, LEVELS, compiled, toolchains
 from hysgen.checking.bits.comparison import Task, compare_task
-from hysgen.checking.bits.functions import LEARNER
-from hysgen.checking.bits.inputs import chunks
-from hysgen.checking.host import Host
+from hysgen.checking.bits.functions import LEARNER, chunks
+from hysgen.checking.host import COMPILERS, LEVELS, Host, compiled, toolchains
 from hysgen.codegen import Options, generate
 from hysgen.display import table
 from hysgen.model.learner_settings import LearnerSettings

@@ -17,10 +17,9 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.export import TARGETS, export_texts
 from hysgen.export.fmu import _binary
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.host import HostImage
 from hysgen.firmware.image import Label, encode
-from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, firmware_folder, read_sources
 from hysgen.firmware.wire import image_frames
 from hysgen.machine import kernels
 from hysgen.machine.kernel_build import build_kernels

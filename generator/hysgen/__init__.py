@@ -102,7 +102,7 @@ __all__ = list(_HOMES)
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from hysgen.machine.installed import version
+        from hysgen.machine.files import version
 
         return version()
     if name in _HOMES:
@@ -121,7 +121,7 @@ def _draw() -> Callable[..., Any]:
 
 
 def _inverse() -> Callable[..., Any]:
-    from hysgen.checking.compiled_inverse import inverse
+    from hysgen.checking.host import inverse
 
     return inverse
 

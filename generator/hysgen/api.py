@@ -35,8 +35,8 @@ from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.firmware.link import BAUD, Client, open_line
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
-from hysgen.fitting.compare import Comparison
-from hysgen.fitting.compare import compare as compare_models
+from hysgen.fitting.refit import Comparison
+from hysgen.fitting.refit import compare as compare_models
 from hysgen.fitting.refit import refit as refit_model
 from hysgen.model.file import model_of
 from hysgen.model.model import Model

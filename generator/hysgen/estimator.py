@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.model import Model
-from hysgen.model.on_arrays import series
-from hysgen.model.unknown_past import unknown_past
+from hysgen.model.scores import unknown_past
+from hysgen.model.simulate import series
 from hysgen.record import Record
 from hysgen.record.noise import noise_floor
 

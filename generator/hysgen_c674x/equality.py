@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.checking.bits.comparison import Task, tasks
-from hysgen.checking.bits.functions import LEARNER
-from hysgen.checking.bits.inputs import LEARNING_SHARE, STYLES, chunks
+from hysgen.checking.bits.functions import LEARNER, LEARNING_SHARE, STYLES, chunks
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
 from hysgen.checking.host import Host
 from hysgen.display import table

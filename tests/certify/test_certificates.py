@@ -22,11 +22,11 @@ from hysgen.errors import CertificateError
 from hysgen.model.disturbances import Drive
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
-from hysgen.model.membership import rule_regressors
 from hysgen.model.model import Model
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.modes import Modes
+from hysgen.model.regression import rule_regressors
 from hysgen.model.simulate import simulate
 
 seeds = st.integers(0, 2**31)

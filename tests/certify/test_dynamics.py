@@ -11,9 +11,9 @@ from hysgen.certify.dynamics import dynamics, loop, steady_states
 from hysgen.errors import ModelError
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.file import load_model
-from hysgen.model.membership import rule_regressors
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.regression import rule_regressors
 
 TS_S = 2e-5
 A, B, C = 0.98, 0.0016, 0.02

@@ -24,8 +24,8 @@ from hysgen.certify.enclosure import (
     slope_series,
 )
 from hysgen.certify.path_inverse import POINTS, _polynomial_slopes, bounded_slopes, strokes, turning_points
-from hysgen.model.membership import memberships
 from hysgen.model.model import Grid, Model
+from hysgen.model.regression import memberships
 
 
 def test_tails_are_the_rest_of_their_geometric_series() -> None:

@@ -16,8 +16,7 @@ from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import CertificateError, ModelError
-from hysgen.float32.coefficients import coefficients
-from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.disturbances import Drive
@@ -25,7 +24,7 @@ from hysgen.model.file import dump_model, load_model, parse_model, save_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.simulate import simulate
-from hysgen.model.status import Status
+from hysgen.model.structs import Status
 
 
 def singular(rules: int = 6) -> Model:

@@ -18,12 +18,9 @@ from fixtures.proof_models import model, texts
 from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, compiled_with, hard_inputs, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
-from hysgen.checking.proof.eva.banks import state_box
-from hysgen.checking.proof.eva.boxes import parts_box
-from hysgen.checking.proof.eva.calls import prove_call, step
-from hysgen.checking.proof.eva.learn import learn_step
-from hysgen.checking.proof.eva.learner_box import WILD, learner_box
-from hysgen.codegen.interface import Interface, interface_of
+from hysgen.checking.proof.eva.boxes import WILD, learner_box, parts_box, state_box
+from hysgen.checking.proof.eva.calls import learn_step, prove_call, step
+from hysgen.codegen.structs import Interface, interface_of
 from hysgen.errors import ModelError
 from hysgen.model import disturbances
 from hysgen.model import path as inputs

@@ -16,11 +16,10 @@ from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import START_UM, START_V, sized, texts_of
 from fixtures.tools import need
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits.builds import compiled
-from hysgen.checking.bits.committing import acceptance_boundary, answers, committer_of, compare_commit, directions
-from hysgen.checking.host import Host
+from hysgen.checking.bits.comparison import acceptance_boundary, answers, committer_of, compare_commit, directions
+from hysgen.checking.host import Host, compiled
 from hysgen.float32.learner_numbers import learned_model
-from hysgen.float32.learner_status import Commit
+from hysgen.float32.learner_words import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.machine.native import Toolchain
 from hysgen.model.disturbances.periodic import Periodic

@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hysgen.checking.bits.builds import Build
 from hysgen.checking.bits.comparison import Task, compare_selftest, compare_task, samples_to_compare, tasks
-from hysgen.checking.bits.functions import NEARLY_FULL, ComparedStruct
-from hysgen.checking.bits.induction import CallTrace
-from hysgen.checking.bits.inputs import STYLES, chunks, ranges, weaker_stage
+from hysgen.checking.bits.functions import NEARLY_FULL, STYLES, CallTrace, ComparedStruct, chunks, ranges, weaker_stage
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
+from hysgen.checking.host import Build
 from hysgen.float32.reference.instance import Instance
 from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model

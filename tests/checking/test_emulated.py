@@ -10,14 +10,11 @@ import pytest
 
 from fixtures.proof_models import model, texts
 from fixtures.tools import need
-from hysgen.checking.bits.builds import Build
-from hysgen.checking.bits.committing import compare_commit
+from hysgen.checking.bits.comparison import compare_commit
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
-from hysgen.checking.host import Host
-from hysgen.checking.proof.emulated.contraction import contraction, unguarded
-from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
-from hysgen.checking.proof.emulated.platforms import PLATFORMS, Platform
-from hysgen.checking.proof.emulated.program import Emulated
+from hysgen.checking.host import Build, Host
+from hysgen.checking.proof.emulated_equality import EmulationSettings, contraction, equality, unguarded
+from hysgen.checking.proof.emulated_program import PLATFORMS, Emulated, Platform
 from hysgen.cli import main
 from hysgen.codegen import write
 from hysgen.errors import BuildError, ModelError

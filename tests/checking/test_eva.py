@@ -17,16 +17,13 @@ import pytest
 
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
-from hysgen.checking.proof.eva import calls, commit, learn
-from hysgen.checking.proof.eva.calls import prove_call, step
-from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contracts import check_contract
-from hysgen.checking.proof.eva.frama import Floats, analyse
+from hysgen.checking.proof.eva import calls
+from hysgen.checking.proof.eva.calls import prove_call, prove_commit, prove_update, step
+from hysgen.checking.proof.eva.frama import Floats, analyse, check_contract
 from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
-from hysgen.checking.proof.eva.learn import prove_update
 from hysgen.checking.proof.eva.report import prove, proved
-from hysgen.checking.proof.eva.splits import case_lines, splits
-from hysgen.checking.proof.hooked import hooked
+from hysgen.checking.proof.eva.states import case_lines, splits
+from hysgen.checking.proof.sources import hooked
 from hysgen.codegen import Options, generate, marked_source
 from hysgen.codegen.hooks import HOOK
 from hysgen.errors import BuildError, ModelError
@@ -209,12 +206,12 @@ def test_the_proof_and_the_templates_name_the_same_hooks(monkeypatch: pytest.Mon
         named.update(lines)
         return hooked(model, texts, lines)
 
-    for module in (calls, learn, commit):
+    for module in (calls, calls, calls):
         monkeypatch.setattr(module, "hooked", recorded)
     calls.step(learner, generated, "inverse", "any")
-    learn.learn_step(learner, generated, "learn")
-    learn.update_step(learner, generated)
-    commit.commit_step(learner, generated)
+    calls.learn_step(learner, generated, "learn")
+    calls.update_step(learner, generated)
+    calls.commit_step(learner, generated)
     named.update(f"guard: {guard.name}" for guard in guards(learner, generated))
     named.update(("guard: inverse into blocks", "guard: contraction", "guard: contraction: end"))
     marked = marked_source(learner, inverse=True).splitlines()

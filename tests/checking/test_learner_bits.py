@@ -13,11 +13,9 @@ from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import Floats32, Pair, corrupted, sized, texts_of
 from fixtures.proof_models import texts
 from fixtures.tools import need
-from hysgen.checking.bits.builds import compiled
 from hysgen.checking.bits.comparison import Task, compare_task
-from hysgen.checking.bits.functions import LEARNER
-from hysgen.checking.bits.inputs import STYLES
-from hysgen.checking.host import Host
+from hysgen.checking.bits.functions import LEARNER, STYLES
+from hysgen.checking.host import Host, compiled
 from hysgen.errors import HysgenError
 from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model

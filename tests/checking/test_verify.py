@@ -20,8 +20,7 @@ from hysgen.checking.bits import Report, VerifySettings, verify, verify_texts
 from hysgen.checking.bits.random_models import RULES, complete_model, low_gain_model, perturbed_model, random_model
 from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
-from hysgen.float32.coefficients import coefficients
-from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.model.disturbances import kinds as term_kinds
 from hysgen.model.file import load_model
 from hysgen.model.model import Model

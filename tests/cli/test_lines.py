@@ -16,8 +16,7 @@ from typing import Any
 import pytest
 
 from hysgen.cli import main, progress
-from hysgen.cli.console import Console, command_line
-from hysgen.cli.folding import folded
+from hysgen.cli.console import Console, command_line, folded
 from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
 from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
@@ -28,7 +27,7 @@ from hysgen.errors import BuildError, HysgenError, RecordError
 from hysgen.export.check import Compared
 from hysgen.firmware.binding import build_id, structure_digest
 from hysgen.firmware.image import NO_KEY, Label, encode
-from hysgen.machine.installed import version
+from hysgen.machine.files import version
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.targets import emulated

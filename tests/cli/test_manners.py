@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 from hysgen.cli import main, progress
 from hysgen.cli.completion import options_of, script
-from hysgen.cli.console import Console
-from hysgen.cli.folding import folded
+from hysgen.cli.console import Console, folded
 from hysgen.cli.main import parser
 from hysgen.cli.options import parse_rows
 from hysgen.cli.progress import ProgressLine

@@ -22,8 +22,7 @@ from hypothesis import strategies as st
 
 from fixtures.generated_models import diagnosed, everything, learning, smooth
 from hysgen.codegen import Options, generate, write
-from hysgen.codegen.freshness import stale
-from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.codegen.manifest import MANIFEST, read_folder, stale
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BudgetError, CertificateError, HysgenError
 from hysgen.machine.files import digest

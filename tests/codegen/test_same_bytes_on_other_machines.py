@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 from fixtures.generated_models import path
 from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
-from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import (
     drawn,
@@ -28,6 +27,7 @@ from hysgen.machine.reproducible import (
     rounded_down,
     rounded_up,
     sine,
+    spectral_radius,
     total,
 )
 from hysgen_lab.firmware.reference_models import firmware_models

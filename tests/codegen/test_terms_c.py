@@ -10,7 +10,7 @@ import pytest
 
 from fixtures.generated_models import hysteresis, relaxing
 from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, compiled_with, hard_inputs, model_with
-from hysgen.checking.bits.induction import CallTrace, first_difference
+from hysgen.checking.bits.functions import CallTrace, first_difference
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.float32.reference.instance import Instance

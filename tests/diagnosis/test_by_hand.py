@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from fixtures.linear_stage import AXIS2_V, COMMAND_V, LAG, LINEAR, SAMPLES, SPAN_S, T_S, TS_S, scene
-from hysgen.diagnosis import advice, slow_evidence
+from hysgen.diagnosis import identifiability, slow_evidence
 from hysgen.diagnosis.answer import NamedCause, Price
-from hysgen.diagnosis.bootstrap import BLOCKS, Gain, blockwise_confidence, combined_confidence, gain
 from hysgen.diagnosis.causes import Estimate, Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.causes.aging import AgingPart, GainChange
 from hysgen.diagnosis.causes.base import Known
@@ -31,10 +30,19 @@ from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.evaluation import Study, confidence_text, share_text
 from hysgen.diagnosis.extension import Extension, corrected
-from hysgen.diagnosis.ladder import MOST_IN_TURN, add_online_parts, left_out
+from hysgen.diagnosis.ladder import (
+    BLOCKS,
+    MOST_IN_TURN,
+    Gain,
+    add_online_parts,
+    blockwise_confidence,
+    combined_confidence,
+    gain,
+    left_out,
+)
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Scene, Trace, linear_fit, standard_errors
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import RESTING, dispersion, least_growth, resting_noise
 from hysgen.diagnosis.slow_evidence import penalty
 from hysgen.fitting.operator import PathSize
@@ -592,18 +600,18 @@ def test_the_ladder_shows_the_causes_in_the_model_between_the_paper_and_the_nois
 
 def test_noise_that_its_past_does_not_predict_is_the_white_part() -> None:
     chirp = 5.0 * np.sin(2e-6 * np.arange(WHITE.size) ** 2.0)
-    assert advice.unpredictable_um(0.01 * WHITE) == pytest.approx(0.01, rel=0.05)
-    assert advice.unpredictable_um(0.01 * WHITE + chirp) == pytest.approx(0.01, rel=0.35)
-    assert advice.unpredictable_um(WHITE[:255]) == math.inf
-    assert advice.unpredictable_um(WHITE[:256]) < math.inf
-    assert advice.unpredictable_um(0.01 * WHITE + 3.0 * np.arange(WHITE.size)) == pytest.approx(0.01, rel=0.05)
+    assert identifiability.unpredictable_um(0.01 * WHITE) == pytest.approx(0.01, rel=0.05)
+    assert identifiability.unpredictable_um(0.01 * WHITE + chirp) == pytest.approx(0.01, rel=0.35)
+    assert identifiability.unpredictable_um(WHITE[:255]) == math.inf
+    assert identifiability.unpredictable_um(WHITE[:256]) < math.inf
+    assert identifiability.unpredictable_um(0.01 * WHITE + 3.0 * np.arange(WHITE.size)) == pytest.approx(0.01, rel=0.05)
 
 
 def said(error: Callable[[np.ndarray], np.ndarray]) -> str:
     k = np.arange(4000)
     u_V = 50.0 * (1.0 - np.cos(k / 50.0))
     prepared: Any = SimpleNamespace(u_V=u_V, y_um=0.1 * u_V)
-    return advice.residual_in_words(error(k), prepared, k)
+    return identifiability.residual_in_words(error(k), prepared, k)
 
 
 def test_a_residual_is_said_in_words() -> None:
@@ -624,7 +632,7 @@ def test_a_residual_is_said_in_words() -> None:
 
 def test_what_to_record_next_follows_from_turns_swings_durations_and_rests() -> None:
     def next_for(u_V: np.ndarray) -> str:
-        return advice.next_experiment(SimpleNamespace(u_V=u_V, cut=u_V.size))  # type: ignore[arg-type]
+        return identifiability.next_experiment(SimpleNamespace(u_V=u_V, cut=u_V.size))  # type: ignore[arg-type]
 
     k = np.arange(6000)
     rest = np.full(1500, 50.0)

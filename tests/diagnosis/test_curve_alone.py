@@ -13,7 +13,7 @@ from hysgen.diagnosis import search
 from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.probe import Mode, Scene, Trace, linear_fit, refine
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import Scored, present
 from hysgen.record import Record

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hysgen.diagnosis.bootstrap import gain
 from hysgen.diagnosis.error_map import profile, spectrum, turning_points
+from hysgen.diagnosis.ladder import gain
 
 
 def test_a_profile_counts_every_sample_once_and_preserves_the_power() -> None:

@@ -22,7 +22,7 @@ from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.evaluation import Study, evaluate
 from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
 from hysgen.report.words import parameter_text

@@ -35,7 +35,7 @@ from hysgen.diagnosis.probe import (
     refine,
     standard_errors,
 )
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.diagnosis.ladder import Rung
-from hysgen.diagnosis.pruning import prune
+from hysgen.diagnosis.ladder import Rung, prune
 
 RNG = np.random.default_rng(3)
 N = 4800

@@ -7,7 +7,7 @@ import pytest
 
 from fixtures.linear_stage import COMMAND_V, LAG, NOISE_UM, SAMPLES, T_S, TS_S, scene
 from hysgen.diagnosis.probe import refine, rms
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import resting_noise
 from hysgen.record import Record

@@ -32,7 +32,6 @@ from fixtures.linear_stage import (
     scene,
 )
 from hysgen.diagnosis import search, search_steps
-from hysgen.diagnosis.advice import unexplained_structure
 from hysgen.diagnosis.causes import Estimate, Residual, causes, saturation
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.delay import DelayPart
@@ -41,8 +40,9 @@ from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
+from hysgen.diagnosis.identifiability import unexplained_structure
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible
 from hysgen.diagnosis.search import SearchResult
 from hysgen.record.noise import NoiseFloor

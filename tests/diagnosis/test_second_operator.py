@@ -12,9 +12,9 @@ from fixtures.linear_stage import COMMAND_V, DRIFTING, LAG, SPAN_S, T_S, TS_S, n
 from hysgen.diagnosis import search, search_steps
 from hysgen.diagnosis.causes.unknown import CAUSE, SuddenPart
 from hysgen.diagnosis.probe import Chain, refine
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored
-from hysgen.diagnosis.second_operator import SecondOperator
+from hysgen.diagnosis.slow_evidence import SecondOperator
 
 Floats = NDArray[np.float64]
 PLAIN = dataclasses.replace(LAG, memory=True)

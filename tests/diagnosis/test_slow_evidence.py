@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fixtures.linear_stage import AGING, COMMAND_V, CREEP, DRIFTING, LAG, SPAN_S, T_S, TS_S, named, scene
 from hysgen.diagnosis import search
 from hysgen.diagnosis.probe import Chain, refine
-from hysgen.diagnosis.probe.dynamics import respond
+from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored
 from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause
 

@@ -11,9 +11,9 @@ import pytest
 
 from fixtures.exported_folders import NAME, exported, model
 from fixtures.tools import library
-from hysgen.checking.proof.eva.banks import state_box
+from hysgen.checking.proof.eva.boxes import state_box
 from hysgen.codegen import tables
-from hysgen.codegen.interface import interface
+from hysgen.codegen.structs import interface
 from hysgen.errors import BuildError
 from hysgen.export import A2lSource, write_export
 from hysgen.export.a2l import LARGEST, Description, Elf, describe, read_elf

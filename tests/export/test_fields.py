@@ -20,8 +20,7 @@ from hysgen.export import a2l, check, export_texts, fmu, write_export
 from hysgen.export.component import MODES, component_facts, exact
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
-from hysgen.model.status import Status
-from hysgen.model.structs import Member
+from hysgen.model.structs import Member, Status
 
 
 def test_the_facts_of_a_component_are_the_models_numbers() -> None:

@@ -15,7 +15,7 @@ from hysgen.export.check import Reference, inputs
 from hysgen.export.component import MODES
 from hysgen.export.fmu import Variable, fmu_variables
 from hysgen.machine.native import Library, build
-from hysgen.model.status import Status
+from hysgen.model.structs import Status
 
 OK, DISCARD, ERROR = 0, 2, 3
 TS_S = model().Ts_s

@@ -12,7 +12,7 @@ import pytest
 
 from fixtures.board_drivers import Chip, drivers
 from hysgen.errors import BuildError
-from hysgen.firmware.sources import TARGET_BOARD, read_sources
+from hysgen.firmware.binding import TARGET_BOARD, read_sources
 
 PLL, PSC0, PSC1, SYSCFG, UART, GPIO = 0x01C11000, 0x01C10000, 0x01E27000, 0x01C14000, 0x01D0D000, 0x01E26000
 TIMER0, TIMER1, SPI1 = 0x01C20000, 0x01C21000, 0x01F0E000

@@ -14,9 +14,16 @@ import pytest
 from fixtures.board_drivers import Chip
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
 from hysgen.codegen.manifest import c_files
-from hysgen.firmware.binding import build_id, firmware_model
+from hysgen.firmware.binding import (
+    CONTROLLER,
+    EMPTY_STORE,
+    SIMULATOR_BOARD,
+    TARGET_BOARD,
+    build_id,
+    firmware_model,
+    read_sources,
+)
 from hysgen.firmware.host import HostFirmware, Request, Settings, State
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
 from hysgen.firmware.wire import Command, command, frame
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 

@@ -14,11 +14,10 @@ import pytest
 from fixtures.firmware_bench import model
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware import link
-from hysgen.firmware.binding import build_id
+from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, build_id, read_sources
 from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, Request, State
 from hysgen.firmware.image import ANSWERS, Label, Owner, ParameterImage, decode, encode, pack, read_key
 from hysgen.firmware.link import Client, to_json
-from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
 from hysgen.firmware.wire import ANSWER, CHUNK, CODES, Command, Identity, LinkStatus, frame, payload
 from hysgen.float32.coefficients import Bank
 from hysgen.model.file import dump_model

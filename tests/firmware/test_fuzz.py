@@ -20,9 +20,8 @@ from pathlib import Path
 import pytest
 
 from fixtures.firmware_bench import model
-from hysgen.firmware.binding import firmware_model, with_learner
+from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources, with_learner
 from hysgen.firmware.image import Label, encode
-from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, firmware_folder, read_sources
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 from hysgen.model.file import load_model
 from hysgen.model.model import Model

@@ -15,8 +15,7 @@ from fixtures.firmware_bench import ModelStage, model
 from hysgen.firmware import host
 from hysgen.firmware.binding import build_id, firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings
-from hysgen.firmware.image import Label, Owner, decode, encode, pack
-from hysgen.firmware.siphash import siphash
+from hysgen.firmware.image import Label, Owner, decode, encode, pack, siphash
 from hysgen.firmware.wire import LinkStatus, frame, payload
 from hysgen.model.disturbances.periodic import Periodic
 

@@ -12,13 +12,12 @@ from hypothesis import strategies as st
 from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
-from hysgen.fitting import FitSettings, Method, fit, regularisation
+from hysgen.fitting import FitSettings, Method, fit, least_squares
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.identify import linear_gain, structure_for
-from hysgen.fitting.least_squares import Information, information
-from hysgen.fitting.regularisation import disagreement
+from hysgen.fitting.least_squares import Information, disagreement, information
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.membership import memberships
+from hysgen.model.regression import memberships
 from hysgen.record import Record, Segment
 
 
@@ -149,7 +148,7 @@ def test_refinement_keeps_rules_in_agreement_where_the_record_does_not_determine
 ) -> None:
     record = narrow_record(2, noise_um=0.001)
     held = fit(record)
-    monkeypatch.setattr(regularisation, "DISAGREEMENT_SHARE", 0.0)
+    monkeypatch.setattr(least_squares, "DISAGREEMENT_SHARE", 0.0)
     free = fit(record)
     structure = structure_for(record, FitSettings())
     deviations = [np.sqrt(disagreement(structure).square(model.parameters)) for model in (held, free)]

@@ -12,12 +12,19 @@ from fixtures.random_models import lag_record, random_model
 from hysgen.errors import FitError, ModelError
 from hysgen.fitting import FitSettings, PathSize, least_squares
 from hysgen.fitting import refit as refitting
-from hysgen.fitting.compare import Change, Comparison, compare, loop_frequencies, physics
-from hysgen.fitting.free_run import Criterion, FreeRunError
 from hysgen.fitting.identify import structure_for
 from hysgen.fitting.least_squares import recursive_least_squares
-from hysgen.fitting.refine import refine
-from hysgen.fitting.refit import restricted_as, settings_of, structure_fits
+from hysgen.fitting.refine import Criterion, FreeRunError, refine
+from hysgen.fitting.refit import (
+    Change,
+    Comparison,
+    compare,
+    loop_frequencies,
+    physics,
+    restricted_as,
+    settings_of,
+    structure_fits,
+)
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from fixtures.random_models import TS_S, lag_record, random_drive, random_model
 from hysgen.certify.certificates import certify
 from hysgen.fitting import FitSettings, PathSize, fit
-from hysgen.fitting.free_run import free_run_error
+from hysgen.fitting.refine import free_run_error
 from hysgen.model.disturbances import Drive
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic

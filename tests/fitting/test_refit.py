@@ -12,8 +12,7 @@ from hysgen.cli.verbs.refit import as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit
-from hysgen.fitting.compare import compare
-from hysgen.fitting.refit import refit
+from hysgen.fitting.refit import compare, refit
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes

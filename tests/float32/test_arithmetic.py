@@ -1,4 +1,4 @@
-"""The power of two and the reciprocal hold what hysgen.model.float32_constants claims of them, in generated C."""
+"""The power of two and the reciprocal hold what hysgen.model.float32_arithmetic claims of them, in generated C."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hysgen.codegen.render import context, render
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.minimax import power_coefficients
 from hysgen.machine.native import Library, Toolchain, build
-from hysgen.model import float32_constants as arithmetic
+from hysgen.model import float32_arithmetic as arithmetic
 from hysgen.model.file import load_model
 from hysgen.model.float32_arithmetic import power_of_two, reciprocal
 
@@ -87,7 +87,7 @@ def test_reciprocal_holds_its_claim_for_every_float32_of_an_octave(octave: float
 def test_polynomial_is_the_minimax_one() -> None:
     coefficients, error = power_coefficients()
     assert coefficients == arithmetic.POWER_COEFFICIENTS
-    assert error <= 3.0e-9  # stated in hysgen.model.float32_constants
+    assert error <= 3.0e-9  # stated in hysgen.model.float32_arithmetic
 
 
 @pytest.mark.parametrize(("name", "mirror"), [("power", power_of_two), ("reciprocal", reciprocal)])

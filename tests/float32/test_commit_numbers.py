@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import sized
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits.committing import answers, committer_of
+from hysgen.checking.bits.comparison import answers, committer_of
 from hysgen.errors import CertificateError
-from hysgen.float32.coefficients import coefficients
-from hysgen.float32.commit_numbers import CommitNumbers, commit_numbers, membership_derivatives
-from hysgen.float32.learner_status import Commit
+from hysgen.float32.coefficients import CommitNumbers, coefficients, commit_numbers, membership_derivatives
+from hysgen.float32.learner_words import Commit
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.membership import memberships
 from hysgen.model.model import Model
+from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
 

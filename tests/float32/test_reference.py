@@ -15,10 +15,10 @@ from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.rules import rule_sums, strengths, window
 from hysgen.model.file import load_model
-from hysgen.model.membership import memberships, rule_regressors
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.base import TOLERANCE
-from hysgen.model.status import COUNTERS, Status
+from hysgen.model.regression import memberships, rule_regressors
+from hysgen.model.structs import COUNTERS, Status
 
 F32 = NDArray[np.float32]
 

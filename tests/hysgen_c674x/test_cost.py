@@ -15,16 +15,14 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.generated_models import diagnosed, everything, hysteresis, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
-from hysgen.checking.budget_file import changes, read, update
-from hysgen.checking.cost import cost, cost_of_texts
+from hysgen.checking.cost import changes, cost, cost_of_texts, read, update
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.cli.verbs.generate import cost_text
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
-from hysgen.codegen.operations.counting import Program
-from hysgen.codegen.operations.counts import Counts
+from hysgen.codegen.operations.counting import Counts, Program
 from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_sample, require_budget
 from hysgen.codegen.operations.text import syntax_tree
 from hysgen.errors import BudgetError, HysgenError

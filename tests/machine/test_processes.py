@@ -19,8 +19,8 @@ import pytest
 
 from hysgen.diagnosis import diagnose
 from hysgen.machine.cache import LruCache
-from hysgen.machine.memory import THREAD
 from hysgen.machine.processes import in_processes, processes, several_processes
+from hysgen.machine.threads import THREAD
 from hysgen.record import Record
 from hysgen_lab.stage import Stage
 from hysgen_lab.stage import run as measure

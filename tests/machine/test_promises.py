@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from hysgen.errors import BuildError, HysgenError
-from hysgen.machine import eigenvalues, installed, kernel_build, memory, native, processes, reproducible, threads
+from hysgen.machine import files, kernel_build, native, processes, reproducible, threads
 from hysgen.machine.cache import LruCache
 from hysgen.machine.native import Toolchain, build, cached_object
 
@@ -148,13 +148,13 @@ def test_a_data_folder_of_a_wheel_comes_before_that_of_a_checkout(
     inside, beside = package / "data", tmp_path / "data"
     for folder in (inside, beside):
         folder.mkdir(parents=True)
-    monkeypatch.setattr(installed.resources, "files", lambda _: package)
+    monkeypatch.setattr(files.resources, "files", lambda _: package)
     with pytest.raises(BuildError, match="the folder data is missing; install hysgen again"):
-        installed.data_folder("data", holds="mark")
+        files.data_folder("data", holds="mark")
     (beside / "mark").touch()
-    assert installed.data_folder("data", holds="mark") == beside
+    assert files.data_folder("data", holds="mark") == beside
     (inside / "mark").touch()
-    assert installed.data_folder("data", holds="mark") == inside
+    assert files.data_folder("data", holds="mark") == inside
 
 
 # Memory, threads, processes
@@ -163,7 +163,7 @@ def test_a_data_folder_of_a_wheel_comes_before_that_of_a_checkout(
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not enforce a limit of the address space")
 def test_room_is_what_the_limit_leaves_and_nothing_of_it_is_taken() -> None:
     code = (
-        "import resource; from hysgen.errors import HysgenError; from hysgen.machine.memory import *\n"
+        "import resource; from hysgen.errors import HysgenError; from hysgen.machine.threads import *\n"
         "used = int(open('/proc/self/statm').read().split()[0]) * 4096\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 200 * 2**20,) * 2)\n"
         "print([has_room(size * 2**20) for size in (190, 210, 190)])\n"
@@ -177,7 +177,7 @@ def test_room_is_what_the_limit_leaves_and_nothing_of_it_is_taken() -> None:
     assert done.stdout.startswith(
         "[True, False, True]\nnot enough memory: the libraries of hysgen take 220 MB of address"
     )
-    assert (memory.LIBRARIES >> 20, memory.THREAD >> 20) == (384, 144)
+    assert (threads.LIBRARIES >> 20, threads.THREAD >> 20) == (384, 144)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_threads_are_as_many_as_cores_memory_and_siblings_allow(
     monkeypatch.setattr(threads, "ThreadPoolExecutor", Pool)
     monkeypatch.setattr("os.cpu_count", lambda: cores)
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: parent)
-    monkeypatch.setattr(threads, "has_room", lambda size: size <= room * memory.THREAD)
+    monkeypatch.setattr(threads, "has_room", lambda size: size <= room * threads.THREAD)
     assert threads.in_threads(abs, [-1, 2, -3]) == [1, 2, 3]
     assert asked == ([expected] if expected > 1 else [])
 
@@ -237,7 +237,7 @@ def test_helpers_are_the_processes_beside_this_as_memory_allows_and_are_closed(m
     monkeypatch.setenv("HYSGEN_PROCESSES", "4")
     for room, count in ((99, 3), (2, 2), (1, 1), (0, 0)):
         made.clear()
-        monkeypatch.setattr(processes, "has_room", lambda size, room=room: size <= room * memory.THREAD)
+        monkeypatch.setattr(processes, "has_room", lambda size, room=room: size <= room * threads.THREAD)
         with processes.several_processes("math"), processes.several_processes("math"):
             assert processes.in_processes(abs, [-5]) == [5], "one item is computed here"
             assert processes.in_processes(abs, [-5, 7, -6], cost=abs) == [5, 7, 6]
@@ -330,24 +330,24 @@ def test_an_array_is_summed_in_sequence_and_its_exponential_is_within_one_unit()
 
 def test_roots_are_those_of_the_polynomial_also_from_equal_initial_values() -> None:
     with localcontext() as context:
-        context.prec = eigenvalues.DIGITS
+        context.prec = reproducible.DIGITS
         cubic = [Decimal(1), Decimal(-6), Decimal(11), Decimal(-6)]
-        found, converged = eigenvalues.roots(cubic, [0.9 + 0.1j, 2.2, 2.9 - 0.2j])
+        found, converged = reproducible.roots(cubic, [0.9 + 0.1j, 2.2, 2.9 - 0.2j])
         assert converged
         assert sorted(round(float(p[0]), 12) for p in found) == [1.0, 2.0, 3.0]
         assert max(abs(float(p[1])) for p in found) < 1e-40
-        pair, converged = eigenvalues.roots([Decimal(1), Decimal(0), Decimal(1)], [0.0, 0.0])
+        pair, converged = reproducible.roots([Decimal(1), Decimal(0), Decimal(1)], [0.0, 0.0])
         assert converged, "equal initial values are moved apart"
         assert sorted(float(p[1]) for p in pair) == [-1.0, 1.0]
-        assert eigenvalues.derivative(cubic) == [3, -12, 11]
-        assert eigenvalues.value(cubic, (Decimal(0), Decimal(1))) == (0, 10)
-        assert eigenvalues.quotient((Decimal(1), Decimal(3)), (Decimal(1), Decimal(-1))) == (-1, 2)
-        assert eigenvalues.modulus((Decimal(3), Decimal(-4))) == 5
+        assert reproducible.derivative(cubic) == [3, -12, 11]
+        assert reproducible.value(cubic, (Decimal(0), Decimal(1))) == (0, 10)
+        assert reproducible.quotient((Decimal(1), Decimal(3)), (Decimal(1), Decimal(-1))) == (-1, 2)
+        assert reproducible.modulus((Decimal(3), Decimal(-4))) == 5
     A = np.array([[0.5, 2.0, 0.0], [-0.5, 0.5, 0.0], [1.0, 7.0, -0.9]])
-    assert eigenvalues.spectral_radius(A) == math.sqrt(1.25)
+    assert reproducible.spectral_radius(A) == math.sqrt(1.25)
     with localcontext() as context:
-        context.prec = eigenvalues.DIGITS
-        assert [float(c) for c in eigenvalues.characteristic(A)] == [
+        context.prec = reproducible.DIGITS
+        assert [float(c) for c in reproducible.characteristic(A)] == [
             1.0,
             pytest.approx(-0.1),
             pytest.approx(0.35),

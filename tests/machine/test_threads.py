@@ -14,8 +14,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from hysgen.diagnosis import diagnose
 from hysgen.errors import HysgenError
 from hysgen.fitting import fit
-from hysgen.machine.memory import THREAD
-from hysgen.machine.threads import in_threads
+from hysgen.machine.threads import THREAD, in_threads
 from hysgen.record import Record
 
 

@@ -16,7 +16,7 @@ from fixtures.hysteresis_blocks import BLOCKS, TS_S, Compiled, by_block, model_o
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.codegen import generate
-from hysgen.model.float32_constants import LEAST
+from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.path import block_from_json

@@ -14,8 +14,8 @@ from fixtures.printed_models import PRINTED_CENTRES_UM, PRINTED_CONSEQUENTS, PRI
 from hysgen.errors import ModelError
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
-from hysgen.model.membership import membership_slopes, memberships, rule_regressors
 from hysgen.model.model import Grid, Model
+from hysgen.model.regression import membership_slopes, memberships, rule_regressors
 
 GRIDS = st.builds(
     lambda low, span, rules: Grid(low, low + span, rules),

@@ -11,9 +11,8 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.model import Model
 from hysgen.model.rivals import fit_rivals
-from hysgen.model.scores import score
+from hysgen.model.scores import score, unknown_past
 from hysgen.model.simulate import free_run
-from hysgen.model.unknown_past import unknown_past
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes

@@ -24,11 +24,11 @@ from hysgen.checking.cost import Cost, FunctionCost
 from hysgen.codegen.operations import Counts
 from hysgen.codegen.operations.cycles import Cycles
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
-from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import ErrorMap, Profile, Spectrum
 from hysgen.diagnosis.evaluation import Study
 from hysgen.diagnosis.identifiability import Ability
+from hysgen.diagnosis.ladder import Gain
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
@@ -39,14 +39,10 @@ from hysgen.record.noise import NoiseFloor
 from hysgen.report import words
 from hysgen.report.diagnosis import diagnosis_page, file_names, key_figures
 from hysgen.report.model import ScoredModels, folder_page, model_page
-from hysgen.report.page import PageSection, PageTable
-from hysgen.report.plots import style
-from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, pictures, spectrum_picture
-from hysgen.report.plots.diagnosis import profile_picture as drawn_profile
-from hysgen.report.plots.results import draw
-from hysgen.report.plots.shares import shares_picture
-from hysgen.report.sections import (
+from hysgen.report.page import (
     TERMS,
+    PageSection,
+    PageTable,
     cost_section,
     equivalence_section,
     glossary_section,
@@ -54,6 +50,17 @@ from hysgen.report.sections import (
     provenance_section,
     uncertainty_section,
 )
+from hysgen.report.plots import style
+from hysgen.report.plots.diagnosis import (
+    BAR,
+    horizon_picture,
+    ladder_picture,
+    pictures,
+    shares_picture,
+    spectrum_picture,
+)
+from hysgen.report.plots.diagnosis import profile_picture as drawn_profile
+from hysgen.report.plots.results import draw
 from hysgen.uncertainty.gum import Budget, Contribution
 
 TS_S = 1e-3

@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from hysgen.record import Record
 from hysgen.report.page import PageSection, PageTable
 from hysgen.report.plots import style
-from hysgen.report.plots.history import changes
-from hysgen.report.plots.measured import loops_picture, record_picture, spectra, spectra_picture
+from hysgen.report.plots.results import changes
 from hysgen.report.plots.simulated import (
     Simulated,
     correlation,
@@ -25,7 +24,17 @@ from hysgen.report.plots.simulated import (
     response_pictures,
     time_picture,
 )
-from hysgen.report.plots.traces import envelope, loops, thinned, tracking, validation
+from hysgen.report.plots.traces import (
+    envelope,
+    loops,
+    loops_picture,
+    record_picture,
+    spectra,
+    spectra_picture,
+    thinned,
+    tracking,
+    validation,
+)
 from hysgen.uncertainty.history import History, Trend
 
 TS_S = 1e-3

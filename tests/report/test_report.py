@@ -28,14 +28,12 @@ from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.model import ScoredModels, model_page
-from hysgen.report.page import readable, sentence
-from hysgen.report.plots.diagnosis import held_out_runs, pictures
-from hysgen.report.plots.shares import error_shares
+from hysgen.report.page import readable, sentence, uncertainty_section
+from hysgen.report.plots.diagnosis import error_shares, held_out_runs, pictures
 from hysgen.report.plots.simulated import time_picture
 from hysgen.report.plots.style import png_bytes, svg_bytes
-from hysgen.report.sections import uncertainty_section
 from hysgen.report.words import diagnosis_text, verdict
-from hysgen.uncertainty.sensor import sensor_uncertainty
+from hysgen.uncertainty.gum import sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
 from hysgen_lab.stage import Stage
 from hysgen_lab.stage import run as measure

@@ -14,17 +14,31 @@ from scipy import stats
 
 from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
-from hysgen.fitting.compare import loop_frequencies
+from hysgen.fitting.refit import loop_frequencies
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor
-from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
+from hysgen.uncertainty.gum import (
+    Budget,
+    Contribution,
+    SensorUncertainty,
+    independent_samples,
+    length_um,
+    rectangular,
+    sensor_uncertainty,
+)
 from hysgen.uncertainty.history import History, Trend, trends
-from hysgen.uncertainty.repeatability import Repeatability, holds, repeatability
-from hysgen.uncertainty.sensor import SensorUncertainty, length_um, sensor_uncertainty
-from hysgen.uncertainty.simulated import Evidence, budget, characterise, error_by_cause
+from hysgen.uncertainty.simulated import (
+    Evidence,
+    Repeatability,
+    budget,
+    characterise,
+    error_by_cause,
+    holds,
+    repeatability,
+)
 
 
 def test_a_budget_is_the_root_of_its_squares_with_students_factor() -> None:

@@ -16,11 +16,16 @@ from hysgen.errors import HysgenError, ModelError
 from hysgen.model.file import load_model, save_model
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
-from hysgen.uncertainty.gum import Budget, Contribution, independent_samples, rectangular
+from hysgen.uncertainty.gum import (
+    Budget,
+    Contribution,
+    SensorUncertainty,
+    independent_samples,
+    rectangular,
+    sensor_uncertainty,
+)
 from hysgen.uncertainty.history import history
-from hysgen.uncertainty.repeatability import Repeatability, repeatability
-from hysgen.uncertainty.sensor import SensorUncertainty, sensor_uncertainty
-from hysgen.uncertainty.simulated import Evidence, budget
+from hysgen.uncertainty.simulated import Evidence, Repeatability, budget, repeatability
 from hysgen_lab.studies.coverage import coverage
 
 EXAMPLE = Budget(

@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.machine.reproducible import exponential, product, total
-from hysgen.model.membership import memberships
 from hysgen.model.model import Model
+from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
 

@@ -1,17 +1,25 @@
-"""Generated C on this machine: compiled with a driver that runs a function over arrays and records every state."""
+"""Generated C on this machine: its builds, a driver that runs a function over arrays, and the inverse on arrays."""
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from hysgen.codegen.interface import Function, interface_of
+from hysgen.certify.certificates import certify
+from hysgen.codegen import Options, generate
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
-from hysgen.machine.native import Library, Toolchain, build
+from hysgen.codegen.structs import Function, interface_of
+from hysgen.errors import BuildError, CertificateError, ModelError
+from hysgen.machine.native import Library, Toolchain, build, compiler_version
+from hysgen.machine.threads import in_threads
+from hysgen.model.model import Model
+from hysgen.model.simulate import rest_um, series
 
 Words = NDArray[np.uint32]
 
@@ -113,3 +121,90 @@ def _driver_declaration(entry: Function) -> str:
         f"void hysgen_driver_{entry.name}({entry.state} *self, size_t n, const uint32_t *const in[], uint32_t *out,"
         " uint32_t *trace, size_t first, size_t words, int32_t flush);\n"
     )
+
+
+COMPILERS: Final = ("gcc", "clang")
+LEVELS: Final = ("-O0", "-O2", "-O3")
+
+
+@dataclass(frozen=True)
+class Build:
+    """Generated C compiled by one toolchain, run with or without flushing denormal numbers to zero."""
+
+    toolchain: Toolchain
+    flush: bool
+    host: Host
+
+    def __str__(self) -> str:
+        return f"{self.toolchain}{', flush to zero' if self.flush else ''}"
+
+
+def toolchains(compilers: Sequence[str], levels: Sequence[str]) -> tuple[list[Toolchain], list[str]]:
+    """Every level of every installed compiler, and one line for each compiler that is not installed.
+
+    levels: compiler flags; one string may hold several flags. Raises BuildError if no compiler is installed.
+    """
+    installed = [compiler for compiler in compilers if shutil.which(compiler)]
+    missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in installed]
+    if not installed:
+        raise BuildError(f"none of {', '.join(compilers)} is installed; install one to verify with")
+    return [Toolchain(compiler, tuple(level.split())) for compiler in installed for level in levels], missing
+
+
+def compiled(name: str, texts: Mapping[str, str], chain: Sequence[Toolchain]) -> tuple[list[Build], list[str]]:
+    """Every build of the texts, and one line if this machine cannot flush denormal numbers.
+
+    Raises BuildError if a compiler rejects the generated C.
+    """
+    # The compilers run as processes of their own.
+    hosts = list(zip(chain, in_threads(lambda toolchain: Host(name, texts, toolchain), chain), strict=True))
+    flushes = all(host.flushes for _, host in hosts)
+    modes = (False, True) if flushes else (False,)
+    skipped = [] if flushes else ["flush to zero: hysgen knows no control for it on this machine"]
+    return [Build(toolchain, flush, host) for toolchain, host in hosts for flush in modes], skipped
+
+
+def versions(chain: Sequence[Toolchain]) -> list[str]:
+    """One line per compiler: its version and its levels."""
+    commands = dict.fromkeys(toolchain.command for toolchain in chain)
+    return [
+        f"{compiler_version(command)} ({', '.join(' '.join(t.flags) for t in chain if t.command == command)})"
+        for command in commands
+    ]
+
+
+Floats = NDArray[np.float64]
+
+BISECTIONS = 24
+"""Steps that find a voltage to 1e-7 of the input range."""
+
+
+def inverse(model: Model, reference_um: ArrayLike, y_um: ArrayLike | None = None) -> Floats:
+    """Voltage in V, (n - 1,), that takes y(k) to reference(k + 1): Eq. (11) in float32, in the generated C.
+
+    reference_um: (n,) wanted displacement. y_um: (n,) measured displacement; by default the reference itself, which is
+    feed-forward. Raises CertificateError for a model without a certified inverse, BuildError without a compiler.
+    """
+    wanted = series(reference_um, "reference_um")
+    measured = wanted if y_um is None else series(y_um, "y_um", wanted.size)
+    if not certify(model).inverse_holds:
+        raise CertificateError(f"{model.name}: the inverse is not certified; `hysgen describe` says why")
+    host = Host(model.name, generate(model, Options(inverse=True)))
+    if host.channels:
+        raise ModelError(f"{model.name}: its inverse needs the channels {host.channels}; use the C instead")
+    instance = host.instance(float(measured[0]), rest_voltage(model, float(measured[0])))
+    words = [np.ascontiguousarray(part, dtype=np.float32).view(np.uint32) for part in (measured[:-1], wanted[1:])]
+    return host.run("inverse", instance, words)[0].view(np.float32).astype(np.float64)
+
+
+def rest_voltage(model: Model, y_um: float) -> float:
+    """Voltage under which the model rests at y, by bisection; an end of the input range for a y beyond it."""
+    low_V, high_V = model.u_min_V, model.u_max_V
+    rising = rest_um(model, high_V, {}) > rest_um(model, low_V, {})
+    for _ in range(BISECTIONS):
+        middle_V = 0.5 * (low_V + high_V)
+        if (rest_um(model, middle_V, {}) < y_um) == rising:
+            low_V = middle_V
+        else:
+            high_V = middle_V
+    return 0.5 * (low_V + high_V)

@@ -20,14 +20,13 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 from hysgen.cli.completion import SHELLS, options_of, script
-from hysgen.cli.console import Console, discard_stdout
-from hysgen.cli.folding import folded
+from hysgen.cli.console import Console, discard_stdout, folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.project import project_options
 from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
 from hysgen.errors import HysgenError
-from hysgen.machine.installed import version
-from hysgen.machine.memory import LIBRARIES, require_room
+from hysgen.machine.files import version
+from hysgen.machine.threads import LIBRARIES, require_room
 
 _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "

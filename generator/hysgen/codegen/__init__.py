@@ -13,9 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.certify.certificates import Certificates, certify
-from hysgen.codegen.commit import commit_feature
-from hysgen.codegen.interface import interface
-from hysgen.codegen.learning import learner_feature
+from hysgen.codegen.learning import commit_feature, learner_feature
 from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
 from hysgen.codegen.operations.cycles import CLOCK_HZ, Cycles, budget, cycles_of, per_sample, require_budget
@@ -31,7 +29,7 @@ from hysgen.codegen.parameters import (
 )
 from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
-from hysgen.codegen.structs import alignment, structs
+from hysgen.codegen.structs import alignment, interface, structs
 from hysgen.errors import CertificateError, HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import Accuracy, accuracy

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import Certificates
-from hysgen.float32.commit_numbers import commit_numbers
-from hysgen.float32.learner_status import Commit
+from hysgen.float32.coefficients import commit_numbers
+from hysgen.float32.learner_words import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
 from hysgen.machine.reproducible import drawn
 from hysgen.model.model import Model
-from hysgen.model.status import COUNTERS
+from hysgen.model.structs import COUNTERS
 
 Words = NDArray[np.uint32]
 

@@ -1,20 +1,26 @@
-"""The structs of the generated C as data: rendered into its header, copied word by word, declared to cffi and Eva."""
+"""The structs and functions of the generated C as data: rendered into its header, declared to cffi and Eva.
+
+Modules that compile, call or prove generated C use this description and do not parse the text.
+"""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from hysgen.codegen.manifest import MANIFEST
+from hysgen.errors import HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.float32.instance_words import InstanceWords
 from hysgen.float32.learner_numbers import factors, learner_numbers
-from hysgen.float32.learner_words import LearnerWords
-from hysgen.float32.struct_words import Holds, StructWords
-from hysgen.model.disturbances import Term
+from hysgen.float32.learner_words import Commit, LearnerWords
+from hysgen.float32.struct_words import Holds, InstanceWords, StructWords
+from hysgen.model.disturbances import Term, channels_of
+from hysgen.model.file import parse_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.model.structs import INPUT_UNIT, Axis, Member, Quantity, Struct
@@ -204,3 +210,107 @@ def rows(members: Sequence[Member]) -> list[str]:
     declared = [f"{member.declaration()};" for member in members]
     wide = max(len(text) for text in declared)
     return [f"{text:<{wide}}  /**< {member.comment} */" for text, member in zip(declared, members, strict=True)]
+
+
+@dataclass(frozen=True)
+class Function:
+    """A public function.
+
+    name: without the model's prefix; result: C type; arguments: C declarations, the struct of the state first.
+    """
+
+    name: str
+    result: str
+    arguments: tuple[str, ...]
+
+    @property
+    def state(self) -> str:
+        """C type of the struct of the first argument; "" without arguments."""
+        return self.arguments[0].removesuffix(" *self") if self.arguments else ""
+
+    @property
+    def floats(self) -> int:
+        """Number of arguments after `self` if all of them are floats, else 0."""
+        rest = self.arguments[1:]
+        return len(rest) if all(text.startswith("float ") for text in rest) else 0
+
+    def prototype(self, model: str) -> str:
+        """The declaration as C, without semicolon."""
+        return f"{self.result} {model}_{self.name}({', '.join(self.arguments) or 'void'})"
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The public part of the C of a model: structs and functions in the order of their declaration.
+
+    channels: number of auxiliary channels.
+    """
+
+    name: str
+    structs: tuple[Struct, ...]
+    functions: tuple[Function, ...]
+    channels: int
+
+    def struct(self, name: str) -> Struct:
+        """The struct with the C type `name`."""
+        return next(struct for struct in self.structs if struct.name == name)
+
+    def has(self, function: str) -> bool:
+        """Whether the model has the function `function`, named without the model's prefix."""
+        return any(known.name == function for known in self.functions)
+
+    @property
+    def prototypes(self) -> dict[str, str]:
+        """C declarations without semicolon, by function, named without the model's prefix."""
+        return {function.name: function.prototype(self.name) for function in self.functions}
+
+    def declarations(self) -> str:
+        """The C declarations of structs and functions for cffi."""
+        channels = f"#define {self.name.upper()}_CHANNELS {self.channels}\n" if self.channels else ""
+        if self.has("commit"):
+            answers = ", ".join(f"{self.name.upper()}_COMMIT_{answer.name}" for answer in Commit)
+            channels += f"typedef enum {{ {answers} }} {self.name}_commit_t;\n"
+        declared = "".join(f"{prototype};\n" for prototype in self.prototypes.values())
+        return channels + "".join(struct.declaration() for struct in self.structs) + declared
+
+
+def interface(model: Model, *, inverse: bool) -> Interface:
+    """The interface of the C code that `generate` returns for `model`, with or without its inverse."""
+    name, channels = model.name, len(channels_of(model.terms))
+    self_t, learner = f"{name}_t *self", f"{name}_learner_t *self"
+    aux = f"const float aux[{name.upper()}_CHANNELS]"
+    functions = [
+        Function("init", "void", (self_t, "float y_um", "float u_V")),
+        Function("predict", "float", (self_t, "float y_um", "float u_V")),
+        Function("simulate", "float", (self_t, "float u_V")),
+    ]
+    if channels:
+        functions.append(Function("aux", "void", (self_t, aux)))
+    if inverse:
+        functions.append(Function("limits", "void", (self_t, "float low_V", "float high_V", "float step_V")))
+        functions.append(Function("inverse", "float", (self_t, "float y_um", "float y_next_um")))
+    if model.learner:
+        functions.append(Function("learn_init", "void", (learner, f"const {name}_t *model")))
+        functions.append(Function("learn", "void", (learner, "float y_um", "float u_V")))
+        if channels:
+            functions.append(Function("learn_aux", "void", (learner, aux)))
+        functions.append(Function("commit", f"{name}_commit_t", (self_t, f"{name}_learner_t *learner")))
+    functions.append(Function("selftest", "uint32_t", ()))
+    return Interface(name, structs(model), tuple(functions), channels)
+
+
+def interface_of(name: str, texts: Mapping[str, str]) -> Interface:
+    """The interface of generated `texts`, from the model file and the options in the manifest.
+
+    Raises HysgenError if either file is missing or malformed.
+    """
+    file = f"{name}.json"
+    try:
+        model, manifest = texts[file], texts[MANIFEST]
+    except KeyError as fault:
+        raise HysgenError(f"{name}: {fault} belongs to the generated texts; generate the folder again") from fault
+    try:
+        inverse = bool(json.loads(manifest)["options"]["inverse"])
+    except (ValueError, KeyError, TypeError) as fault:
+        raise HysgenError(f"{MANIFEST}: names no option inverse ({fault}); generate the folder again") from fault
+    return interface(parse_model(model, file), inverse=inverse)

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.bootstrap import Gain
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.identifiability import Ability
+from hysgen.diagnosis.ladder import Gain
 from hysgen.model.model import Model
 from hysgen.record.noise import NoiseFloor
 

@@ -1,9 +1,10 @@
-"""A diagnosis with its record and the error maps of the base and of the extended model on the held-out rows."""
+"""A diagnosis with its record and its error maps on the held-out rows; for studies, its names alone."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +13,25 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
 from hysgen.diagnosis.error_map import ErrorMap, error_map
-from hysgen.diagnosis.prepare import prepare
-from hysgen.diagnosis.procedure import DiagnoseSettings, Progress, diagnose
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.extension_forms import with_best_forms
+from hysgen.diagnosis.ladder import fit_ladder
+from hysgen.diagnosis.prepare import Prepared, prepare
+from hysgen.diagnosis.procedure import DiagnoseSettings, Naming, Progress, diagnose, name_causes
 from hysgen.display import Displayed, Summary
+from hysgen.fitting import FitSettings
 from hysgen.model.model import Model
 from hysgen.record import Record
+
+__all__ = [
+    "Extension",
+    "Naming",
+    "Prepared",
+    "free_run_error",
+    "name_causes",
+    "prepare",
+]
+
 
 Floats = NDArray[np.float64]
 
@@ -185,3 +200,15 @@ def evaluate(diagnosis: Diagnosis, record: Record, holdout: Record | None, ident
         error_map(diagnosis.model, prepared.record, noise_um, extended, first),
         max(high_um - low_um, math.ulp(1.0)),
     )
+
+
+def free_run_error(
+    prepared: Prepared, extensions: dict[str, Extension], names: Sequence[str] = (), *, forms: bool = False
+) -> NDArray[np.float64]:
+    """Error in um, (n,), of the free run of the model with the extensions of `names`, fitted as a diagnosis does.
+
+    forms: choose the forms of the extensions by cross-validation first.
+    """
+    settings = FitSettings()
+    chosen = with_best_forms(prepared, extensions, names, settings) if forms else extensions
+    return fit_ladder(prepared, chosen, names, settings).error_um

@@ -3,20 +3,24 @@
 A cause may offer several forms of its extension (`Cause.forms`). Every form is fitted together with the other
 extensions to two thirds of the blocks of the identification part and scored in free run on the remaining third, for
 each third in turn. The cheapest form whose rms error is within TOLERATED of the least one is chosen.
+
+Drift and aging are found jointly, and each takes a share of what the other would explain alone. A model that leaves one
+of them out is extended by the others as they are without it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import causes, in_ladder_order
+from hysgen.diagnosis.causes import Residual, causes, in_ladder_order, slow_causes, without_causes
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import Rows, checked_errors
 from hysgen.diagnosis.prepare import Prepared
-from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.probe import refine, rms
+from hysgen.diagnosis.search import SearchResult, thinned
 from hysgen.fitting import FitSettings
 
 TOLERATED = 1.1
@@ -47,3 +51,19 @@ def _trusted(extensions: dict[str, Extension], names: Sequence[str], rows: Rows)
         if trust is not None:
             kept &= trust[rows] > 0.0
     return kept
+
+
+def extensions_for(
+    found: SearchResult, extensions: Mapping[str, Extension], names: Sequence[str]
+) -> dict[str, Extension]:
+    """The extensions of a model with those of `names`; found: the search that they come from."""
+    left = [name for name in slow_causes() if name in extensions and name not in names]
+    slow = [name for name in slow_causes() if name in names and extensions[name].correction is not None]
+    if not left or not slow:
+        return dict(extensions)
+    if len(left) == 1 and left[0] in found.rivals:
+        fit = found.rivals[left[0]]
+    else:
+        fit = refine(thinned(found.scene), without_causes(found.fit.chain, left))
+    without = Residual(found.scene, fit)
+    return {**extensions, **{name: causes()[name].extension(without) for name in slow}}

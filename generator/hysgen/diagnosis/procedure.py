@@ -11,22 +11,28 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.advice import next_experiment, unexplained_structure
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
-from hysgen.diagnosis.bootstrap import Gain, combined_confidence, gain
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Correction, Extension
-from hysgen.diagnosis.extension_forms import with_best_forms
+from hysgen.diagnosis.extension_forms import extensions_for, with_best_forms
 from hysgen.diagnosis.held_changes import change_in_held_rows
-from hysgen.diagnosis.identifiability import Ability, abilities
-from hysgen.diagnosis.ladder import Rung, add_online_parts, checked_errors, fit_ladder
+from hysgen.diagnosis.identifiability import Ability, abilities, next_experiment, unexplained_structure
+from hysgen.diagnosis.ladder import (
+    Gain,
+    Pruned,
+    Rung,
+    add_online_parts,
+    checked_errors,
+    combined_confidence,
+    fit_ladder,
+    gain,
+    prune,
+)
 from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.pruning import Pruned, prune
 from hysgen.diagnosis.score import LEAST_EVIDENCE, present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
-from hysgen.diagnosis.slow_extensions import extensions_for
 from hysgen.fitting import FitSettings
 from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes

@@ -12,8 +12,13 @@ import numpy as np
 from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, refine, training_fit
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, present
-from hysgen.diagnosis.second_operator import SecondOperator
-from hysgen.diagnosis.slow_evidence import Whitenings, adds_first_slow_cause, differs_in_its_slow_cause, penalty
+from hysgen.diagnosis.slow_evidence import (
+    SecondOperator,
+    Whitenings,
+    adds_first_slow_cause,
+    differs_in_its_slow_cause,
+    penalty,
+)
 from hysgen.machine.processes import in_processes
 
 LAGS = (0.3, 3.0, 30.0)

@@ -1,9 +1,9 @@
-"""The evidence for a slow cause, by two descriptions of the misfit of the hysteresis.
+"""The evidence for a slow cause by two descriptions of the misfit, and for any cause by a second hysteresis operator.
 
     fall = (fall of the score + fall of the whitened score) / 2
 
 The score (`score`) takes the misfit as values that repeat wherever they stand. The whitened score takes it as a process
-along the way of the stage (`probe.whitened`), which is constant while the stage rests: creep and drift then show below
+along the way of the stage (`probe.uncertainty`), which is constant while the stage rests: creep and drift show below
 the misfit. Each of them alone is wrong where its description does not hold, so the mean of both logarithms of the odds
 counts (logarithmic pool; Genest and Zidek, 1986).
 
@@ -11,13 +11,22 @@ counts (logarithmic pool; Genest and Zidek, 1986).
 
 It counts only for the first slow cause of a chain: the course of a slow effect is known to a few per cent, and what is
 left of it is slow too and would be named as a second one.
+
+    fall = (fall by the operator of the search + fall by the second operator) / 2
+
+What an operator misses depends on its form: a misfit that resembles a cause by chance does so for one operator, the
+effect of a cause for each. The search has chosen the cause among all others by the first operator; the second one took
+no part in that choice. Which of them describes the stage better is not known, so the mean of both logarithms of the
+odds counts (logarithmic pool; Genest and Zidek, 1986).
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -135,3 +144,34 @@ def penalty(larger: Scored, smaller: Scored, independent: float) -> float:
     """Rise of the score by the parameters and the prior odds of the larger chain alone."""
     rise = (larger.orders - smaller.orders) * math.log(independent) + len(larger.fit.weights) - len(smaller.fit.weights)
     return rise + prior_score(larger.chain) - prior_score(smaller.chain)
+
+
+ROUNDS = 8
+"""Gauss-Newton rounds of a fit, from a chain that is refined with the first operator already."""
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOperator:
+    """The scene with the second operator, and the fits of chains to it; each is made once."""
+
+    first: Scene
+    _scored: dict[Chain, Scored] = field(default_factory=dict)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Twice the hat functions, polynomials of more degrees, decay lengths between those of the first operator."""
+        own = self.first.operator
+        last = own.reaches[-1:]
+        reaches = (*(0.5**0.5 * reach for reach in own.reaches), *(2.0**0.5 * reach for reach in last))
+        finer = dataclasses.replace(own, hats=2 * own.hats, degree=own.degree + 2, curve=own.curve + 4, reaches=reaches)
+        return dataclasses.replace(self.first.bare(), operator=finer)
+
+    @cached_property
+    def whitenings(self) -> Whitenings:
+        return Whitenings(self.scene)
+
+    def scored(self, chain: Chain) -> Scored:
+        """The chain, fitted with this operator."""
+        if chain not in self._scored:
+            self._scored[chain] = Scored.of(self.scene, refine(self.scene, chain, ROUNDS))
+        return self._scored[chain]

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.codegen import Options, generate, tables
-from hysgen.codegen.interface import interface
 from hysgen.codegen.parameters import numbers_digest_of
 from hysgen.codegen.render import render
+from hysgen.codegen.structs import interface
 from hysgen.errors import BuildError, HysgenError
 from hysgen.export.a2l import Description, describe, read_elf
 from hysgen.export.component import component_facts, component_texts

@@ -12,17 +12,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.checking.proof.eva.banks import bank_box, state_box
-from hysgen.checking.proof.eva.boxes import parts_box
-from hysgen.checking.proof.eva.learner_box import learner_box
-from hysgen.codegen.interface import Interface
+from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
 from hysgen.codegen.parameters import Table
+from hysgen.codegen.structs import Interface
 from hysgen.errors import BuildError
-from hysgen.float32.learner_status import LEARNER_MEANINGS
+from hysgen.float32.learner_words import LEARNER_MEANINGS
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.status import MEANINGS
-from hysgen.model.structs import BYTES_PER_WORD, Axis, Member, Struct
+from hysgen.model.structs import BYTES_PER_WORD, MEANINGS, Axis, Member, Struct
 
 LARGEST: Final = 3.4028234663852886e38
 """Limit of a float32 for which no interval is proved."""

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen import Options
-from hysgen.codegen.interface import interface
 from hysgen.codegen.manifest import c_files
+from hysgen.codegen.structs import interface
 from hysgen.errors import BuildError
 from hysgen.export import export_texts
 from hysgen.export.component import MODES, Mode, modes_of

@@ -10,7 +10,7 @@ import numpy as np
 
 from hysgen.codegen import Options
 from hysgen.float32.coefficients import coefficients
-from hysgen.machine.installed import version
+from hysgen.machine.files import version
 from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 

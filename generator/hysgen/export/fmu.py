@@ -21,13 +21,12 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
 from hysgen.export.component import component_facts
-from hysgen.machine.files import digest
-from hysgen.machine.installed import data_folder
+from hysgen.machine.files import data_folder, digest
 from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain
 from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
-from hysgen.model.status import MEANINGS, Status
+from hysgen.model.structs import MEANINGS, Status
 
 HEADERS: Final = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

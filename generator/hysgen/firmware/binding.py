@@ -1,10 +1,11 @@
-"""model.h: binds the firmware to one generated model, and holds the digest of the structure its parameters must fit."""
+"""model.h binds the firmware to one generated model; the hand-written C of the firmware."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -15,10 +16,8 @@ from hysgen.codegen import Options, generate
 from hysgen.codegen.parameters import Constant
 from hysgen.codegen.render import render
 from hysgen.errors import ModelError
-from hysgen.float32.coefficients import coefficients
-from hysgen.float32.commit_numbers import commit_numbers
-from hysgen.machine.files import digest
-from hysgen.machine.installed import version
+from hysgen.float32.coefficients import coefficients, commit_numbers
+from hysgen.machine.files import data_folder, digest, version
 from hysgen.model.disturbances import channels_of
 from hysgen.model.file import dump_model
 from hysgen.model.learner_settings import LearnerSettings
@@ -127,3 +126,24 @@ def _shapes(tables: Mapping[str, NDArray[Any]]) -> dict[str, str]:
 
 def _hex(values: list[np.float32]) -> str:
     return np.array(values, dtype="<f4").tobytes().hex()
+
+
+CONTROLLER: Final = "controller"
+HOST_BOARD: Final = "board/host"
+SIMULATOR_BOARD: Final = "board/simulator"
+TARGET_BOARD: Final = "board/c6748"
+EMPTY_STORE: Final = ("board", "empty_store.c")
+"""Folder and name of the parameter store without memory, of SIMULATOR_BOARD and of boards without flash."""
+
+Sources = list[tuple[str, str]]
+
+
+def firmware_folder() -> Path:
+    """The folder of controller/ and board/. Raises BuildError if the installation lacks them."""
+    return data_folder("firmware", holds=CONTROLLER)
+
+
+def read_sources(folder: str, *patterns: str) -> Sources:
+    """(file name, text) of the files in `folder` that match `patterns` (default: the C), sorted by name."""
+    paths = [path for pattern in patterns or ("*.[ch]",) for path in (firmware_folder() / folder).glob(pattern)]
+    return [(path.name, path.read_text(encoding="utf-8")) for path in sorted(paths)]

@@ -14,12 +14,11 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.codegen.interface import interface_of
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations.text import preprocessed
-from hysgen.firmware.binding import typedefs
+from hysgen.codegen.structs import interface_of
+from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, read_sources, typedefs
 from hysgen.firmware.image import Owner
-from hysgen.firmware.sources import CONTROLLER, HOST_BOARD, read_sources
 from hysgen.firmware.wire import image_frames
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model.file import parse_model

@@ -22,9 +22,8 @@ from scipy.optimize import nnls
 
 from hysgen.certify.enclosure import slope_extremum
 from hysgen.errors import FitError
-from hysgen.model.membership import membership_slopes, memberships
 from hysgen.model.model import Model
-from hysgen.model.regression import Structure
+from hysgen.model.regression import Structure, membership_slopes, memberships
 
 Floats = NDArray[np.float64]
 

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
-from hysgen.fitting.free_run import free_run_error
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
 from hysgen.fitting.operator import CURVE
 from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
-from hysgen.fitting.refine import Progress, refine
+from hysgen.fitting.refine import Progress, free_run_error, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Grid, Model

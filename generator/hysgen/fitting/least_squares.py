@@ -1,4 +1,4 @@
-"""Least squares over a record, one step ahead: in batch, in square-root form, and recursively by Eq. (10) as printed.
+"""Least squares over a record, one step ahead: in batch, in square-root form, recursively by Eq. (10); penalties.
 
     min over q of  sum_k lambda^(N-k) t(k) (y(k+1) - x(k)'q)^2 + lambda^N/alpha ||q - epsilon 1||^2
 
@@ -6,6 +6,14 @@ Both converge to the same q. The batch form keeps the triangular factor [R d; 0 
 rows is appended to the factor and the stack is triangularised again. Memory does not grow with the record, and R has
 the condition number of the regressors, not its square. Source: Bierman, Factorization Methods for Discrete Sequential
 Estimation (1977), chapter IV.
+
+    V(q) = mean over y and over both ends w of the range of  sum_l p_l (v_l - f)^2
+
+    v_l = q_l1 y + q_l2 w + q_l3,    f = sum_l p_l v_l
+
+*Disagreement of the rules*, V: overlapping rules with linear consequents represent the same function f in many ways.
+Without V, least squares may choose consequents of hundreds of um that cancel in f, and float32 loses the difference.
+*One-step error*: holds the rules that a record visits only during the burn-in, which the free-run error weighs little.
 """
 
 from __future__ import annotations
@@ -18,7 +26,8 @@ from scipy.linalg import solve_triangular
 
 from hysgen.errors import FitError
 from hysgen.machine.kernels import rls_updates, triangularise
-from hysgen.model.regression import Starts, Structure, Trust, regression_rows
+from hysgen.model.model import Model
+from hysgen.model.regression import Starts, Structure, Trust, memberships, regression_rows, structure_of
 from hysgen.record import Record
 
 Floats = NDArray[np.float64]
@@ -106,3 +115,66 @@ def recursive_least_squares(record: Record, structure: Structure, weighting: Wei
             f"{weighting.alpha:g} lost its covariance; forget less, or fit in batch"
         )
     return q
+
+
+MOST_SAMPLES = 100_000
+"""Samples of a record above which a fit looks at windows of as many samples in all: with at most some 80 parameters,
+the standard error from the noise is then far below the error of the model's structure."""
+
+WINDOWS = 40
+"""Windows at equal distances: 2500 samples each, many time constants of the lag of a stage."""
+
+
+def windows(samples: int, record_samples: int) -> list[slice]:
+    """The windows of a segment of `samples`, of a record of `record_samples`; the whole segment of a short record."""
+    share = MOST_SAMPLES / record_samples
+    if share >= 1.0:
+        return [slice(0, samples)]
+    count = max(1, round(WINDOWS * samples / record_samples))
+    length = max(2, int(share * samples / count))
+    return [slice(start, start + length) for start in np.linspace(0, samples - length, count).astype(int).tolist()]
+
+
+POINTS_PER_RULE = 8
+
+ONE_STEP_SHARE = 0.1
+"""Penalty of the one-step error at the start, as a part of the free-run error."""
+
+DISAGREEMENT_SHARE = 1e-3
+"""Penalty of rules that disagree by one step of the grid (rms), as a part of the free-run error."""
+
+DISAGREEMENT_SHARE_ON_PATH = 1.0
+"""The same behind a response of the path (hysteresis, creep, modes). There, rules that disagree overfit: they lower the
+error of the identification record and raise the error of the next record."""
+
+Penalties = tuple[tuple[float, Information], ...]
+"""(kappa, form) each: the penalty kappa ||form.R q - form.d||^2."""
+
+
+def penalties_at(model: Model, free_run_um2: float, one_step: Information) -> Penalties:
+    """The penalties of a refinement that starts at `model`, whose free run has the square error free_run_um2."""
+    structure, single = structure_of(model), one_step.square(model.parameters)
+    share = DISAGREEMENT_SHARE_ON_PATH if model.responds else DISAGREEMENT_SHARE
+    forms = [(share * free_run_um2 / model.grid.step_um**2, disagreement(structure))]
+    if single > 0.0:
+        forms.append((ONE_STEP_SHARE * free_run_um2 / single, one_step))
+    return tuple(forms)
+
+
+def disagreement(structure: Structure) -> Information:
+    """V(q) = ||R q||^2 in um^2 over all linear parameters; the columns of terms are zero."""
+    grid = structure.grid
+    y = np.linspace(grid.y_min_um, grid.y_max_um, POINTS_PER_RULE * (grid.rules - 1) + 1)
+    p = memberships(y, grid)
+    factor = np.zeros((structure.size, structure.size))
+    for w in (structure.w_range.low, structure.w_range.high):
+        local = np.stack([y, np.full_like(y, w), np.ones_like(y)], axis=1)
+        for rule in range(grid.rules):
+            # sqrt(p_l) (v_l - f) at every y: -p from f, and 1 from v_l.
+            share = -p
+            share[:, rule] += 1.0
+            rows = np.zeros((y.size, structure.size))
+            rows[:, : 3 * grid.rules] = (share[:, :, None] * local[:, None, :]).reshape(y.size, -1)
+            rows *= np.sqrt(p[:, rule] / (2.0 * y.size))[:, None]
+            triangularise(factor, rows)
+    return Information(factor, np.zeros(structure.size), 0.0)

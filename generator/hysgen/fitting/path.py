@@ -26,8 +26,8 @@ from scipy.optimize import minimize_scalar
 from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
+from hysgen.fitting.least_squares import windows
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
-from hysgen.fitting.windows import windows
 from hysgen.machine.kernels import lag_of_signals
 from hysgen.machine.reproducible import exp
 from hysgen.model.disturbances import Drive, Term

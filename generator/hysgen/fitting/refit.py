@@ -1,4 +1,4 @@
-"""Re-identification: the structure of a model fitted to another record.
+"""Re-identification: the structure of a model fitted to another record, and the differences between two models.
 
 Kept: name, number of rules, terms and input blocks with their shapes, input range, fit and learner settings.
 New: the displacement range (within the restricted range of the old model, if it was restricted), every linear
@@ -8,16 +8,21 @@ parameter, scores and certificates. The generated C algorithm is unchanged; only
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from hysgen.certify.certificates import certify
+from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, steady_states
+from hysgen.display import Displayed, Summary, table
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.scores import Scores, score_identification
+from hysgen.model.scores import Scores, score, score_identification
 from hysgen.record import Record
 
 WORSE, OVER_NOISE = 1.5, 1.4
@@ -109,3 +114,167 @@ def settings_of(model: Model) -> FitSettings:
         "input_range_V": (model.u_min_V, model.u_max_V),
     }
     return FitSettings(**({key: value for key, value in stored.items() if key in known} | structure))
+
+
+SLOW, FAST = 0.01, 0.3
+"""Frequencies of the compared loops, relative to the corner frequency of the old model's lag."""
+
+LEVELS = 9
+"""Voltages over the input range at which the steady states are compared."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """A property of two models, in its unit."""
+
+    what: str
+    unit: str
+    old: float
+    new: float
+
+    @property
+    def percent(self) -> float | None:
+        """Relative change in percent, None where the old value is zero."""
+        return 100.0 * (self.new - self.old) / abs(self.old) if self.old else None
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Displayed):
+    """Differences between two models.
+
+    centres_um: centre of each rule in the old and in the new model; rules: change of q1, q2, q3 of each.
+    scores: for each record (source, free-run rms of the old model, of the new one) in um.
+    """
+
+    old: str
+    new: str
+    changes: tuple[Change, ...]
+    centres_um: tuple[tuple[float, float], ...]
+    rules: tuple[tuple[float, float, float], ...]
+    scores: tuple[tuple[str, float, float], ...]
+
+    def summary(self) -> Summary:
+        """Content of the display."""
+        return Summary(f"{self.old} -> {self.new}", ["property", "old", "new", "change"], self._changed())
+
+    def text(self, heading: str = "") -> str:
+        """Two tables: physical properties and free-run errors, old and new; change of each rule's consequents.
+
+        heading: what is compared, by default the names of both models.
+        """
+        rules = [
+            [f"{number}", f"{before:.4g} -> {after:.4g}", *(f"{value:+.3g}" for value in rule)]
+            for number, (rule, (before, after)) in enumerate(zip(self.rules, self.centres_um, strict=True), start=1)
+        ]
+        return "\n\n".join(
+            [
+                table([heading or f"{self.old} -> {self.new}", "old", "new", "change"], self._changed()),
+                table(["rule", "centre [um]", "q1 [um/um]", "q2 [um/V]", "q3 [um]"], rules),
+            ]
+        )
+
+    def _changed(self) -> list[list[str]]:
+        """Rows of physical properties and of free-run errors: name with unit, old, new, change."""
+        physics = [
+            [
+                f"{change.what} [{change.unit}]" if change.unit else change.what,
+                f"{change.old:.5g}",
+                f"{change.new:.5g}",
+                "" if change.percent is None else f"{change.percent:+.1f} %",
+            ]
+            for change in self.changes
+        ]
+        errors = [
+            [f"free run on {source} [um rms]", f"{before:.4g}", f"{after:.4g}", ""]
+            for source, before, after in self.scores
+        ]
+        return physics + errors
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "old": self.old,
+            "new": self.new,
+            "changes": [dataclasses.asdict(change) | {"percent": change.percent} for change in self.changes],
+            "centres_um": [list(pair) for pair in self.centres_um],
+            "rules_change": [list(rule) for rule in self.rules],
+            "free_run_rms_um": [{"record": s, "old": before, "new": after} for s, before, after in self.scores],
+        }
+
+
+def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Comparison:
+    """The changes from `old` to `new`, and the free-run errors of both on every record.
+
+    Raises ModelError if the structures differ.
+    """
+    require_same_structure(old, new)
+    loops_Hz = loop_frequencies(old)
+    changes = [
+        Change("displacement, low end", "um", old.grid.y_min_um, new.grid.y_min_um),
+        Change("displacement, high end", "um", old.grid.y_max_um, new.grid.y_max_um),
+    ]
+    changes += [
+        Change(what, unit, before, after)
+        for (what, unit, before), (_, _, after) in zip(physics(old, loops_Hz), physics(new, loops_Hz), strict=True)
+    ]
+    moved = new.consequents - old.consequents
+    scores = [
+        (record.source, score(old, record).free_run.e_rms_um, score(new, record).free_run.e_rms_um)
+        for record in records
+    ]
+    centres = zip(old.grid.centres_um.tolist(), new.grid.centres_um.tolist(), strict=True)
+    rules = tuple((a, b, c) for a, b, c in moved.tolist())
+    return Comparison(old.name, new.name, tuple(changes), tuple(centres), rules, tuple(scores))
+
+
+def require_same_structure(old: Model, new: Model) -> None:
+    """Raise ModelError if the structures of two models differ."""
+    if _shape(old) != _shape(new):
+        raise ModelError(
+            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
+            "score both on one record instead"
+        )
+
+
+def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:
+    """(property, unit, value): gain and time constant at mid-range, y at the ends, loops, sums of weights."""
+    low_V, high_V = model.u_min_V, model.u_max_V
+    states = steady_states(model, np.linspace(low_V, high_V, LEVELS))
+    middle, amplitude_V = states[LEVELS // 2], 0.45 * (high_V - low_V)
+    found = [
+        ("DC gain, mid-range", "um/V", middle.gain_um_per_V),
+        ("time constant, mid-range", "ms", 1e3 * (middle.tau_s or 0.0)),
+        ("at rest at the lowest input", "um", states[0].y_um),
+        ("at rest at the highest input", "um", states[-1].y_um),
+    ]
+    for f_Hz in loops_Hz:
+        closed = loop(model, f_Hz, 0.5 * (low_V + high_V), amplitude_V)
+        # The area is the integral of the opening over the input's 2 A.
+        found.append((f"loop width at {f_Hz:.3g} Hz, mean", "um", closed.area_umV / (2.0 * amplitude_V)))
+        found.append((f"gain at {f_Hz:.3g} Hz", "um/V", closed.span_um / (2.0 * amplitude_V)))
+    start = 0
+    for term in model.terms:
+        weights = model.weights[start : start + term.size]
+        start += term.size
+        found.append((f"{term.kind}: sum of its {term.size} weights", "", float(weights.sum())))
+    return found
+
+
+def loop_frequencies(model: Model) -> list[float]:
+    """Frequencies in Hz of a slow and a fast sine, both sampled at least SAMPLES_PER_PERIOD times per period."""
+    states = steady_states(model, np.array([0.5 * (model.u_min_V + model.u_max_V)]))
+    corner_Hz = 1.0 / (2.0 * np.pi * (states[0].tau_s or 10.0 * model.Ts_s))
+    highest_Hz = 1.0 / (SAMPLES_PER_PERIOD * model.Ts_s)
+    return [min(part * corner_Hz, part / FAST * highest_Hz) for part in (SLOW, FAST)]
+
+
+def _shape(model: Model) -> tuple[int, list[tuple[str, int]], list[str]]:
+    """What two models must share to be compared number by number: rules, (kind, size) of the terms, kinds of blocks."""
+    terms = [(term.kind, term.size) for term in model.terms]
+    return model.grid.rules, terms, [block.kind for block in model.blocks]
+
+
+def _structure(model: Model) -> str:
+    parts = [f"{term.kind} of {term.size}" for term in model.terms] + [block.kind for block in model.blocks]
+    kinds = ", ".join(parts) or "no terms"
+    return f"{model.grid.rules} rules, {kinds}"

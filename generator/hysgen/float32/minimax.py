@@ -1,4 +1,4 @@
-"""Minimax polynomials by linear programming, the source of the coefficients in hysgen.model.float32_constants.
+"""Minimax polynomials by linear programming, the source of the coefficients in hysgen.model.float32_arithmetic.
 
     minimise  max_x |P(x) / f(x) - 1|     over the free coefficients of P, x on a Chebyshev grid
 

@@ -1,4 +1,4 @@
-"""Description of a C struct by the annotated attributes of its mirror.
+"""Description of a C struct by the annotated attributes of its mirror; the words of `<name>_t`.
 
 The annotated attributes of a subclass of `StructWords` are the members of a generated struct, in the order of the
 struct. An annotation (`vector`, `number`, `integer`, ...) states type, comment, initial value and assumptions of the
@@ -12,14 +12,14 @@ import enum
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final, get_type_hints
+from typing import Annotated, ClassVar, Final, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.model.disturbances import Mirror
 from hysgen.model.path.chain import ChainMirror
-from hysgen.model.structs import Counter, Scalar
+from hysgen.model.structs import COUNTERS, Counter, Scalar
 
 Floats32 = NDArray[np.float32]
 Words = NDArray[np.uint32]
@@ -181,3 +181,19 @@ class StructWords:
 
 def _bits(x: Floats32) -> Words:
     return np.asarray(x, np.float32).view(np.uint32)
+
+
+class InstanceWords(StructWords):
+    """State of `lanes` instances; every scalar word is an array (lanes,)."""
+
+    COUNTERS: ClassVar[Mapping[str, Counter]] = COUNTERS
+
+    y_um: Annotated[Floats32, number("last output of the model", unit="um", remark=", from which a free run continues")]
+    u_V: Annotated[Floats32, number("last accepted input", unit="V")]
+    low_V: Annotated[Floats32, number("lowest voltage that may be put out", unit="V")]
+    high_V: Annotated[Floats32, number("highest voltage that may be put out", unit="V")]
+    step_V: Annotated[Floats32, number("largest change of the voltage per sample", unit="V")]
+    status: Annotated[Words, integer("bits {NAME}_STATUS_..., set by events and cleared by the caller")]
+    counters: Annotated[dict[str, Words], COUNTERS_OF]
+    inputs: Annotated[ChainMirror, INPUTS_OF]
+    terms: Annotated[list[Mirror], TERMS_OF]

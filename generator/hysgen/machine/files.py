@@ -1,4 +1,4 @@
-"""Atomic file writes and digests."""
+"""Atomic file writes and digests; the version and the data folders of the installed package."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import contextlib
 import hashlib
 import os
 import tempfile
+from importlib import metadata, resources
 from pathlib import Path
 
-from hysgen.errors import HysgenError
+from hysgen.errors import BuildError, HysgenError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
@@ -58,3 +59,21 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def version() -> str:
+    """The version of the installed distribution."""
+    return metadata.version("hysgen")
+
+
+def data_folder(name: str, holds: str) -> Path:
+    """The data folder `name` of the distribution, recognised by its entry `holds`.
+
+    In a wheel the folder lies inside the package, in a checkout beside `generator/`.
+    Raises BuildError if the folder is missing.
+    """
+    package = Path(str(resources.files(__package__.partition(".")[0])))
+    for folder in (package / name, package.parents[1] / name):
+        if (folder / holds).exists():
+            return folder
+    raise BuildError(f"{package}: the folder {name} is missing; install hysgen again")

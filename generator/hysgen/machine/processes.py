@@ -29,8 +29,7 @@ from pathlib import Path
 from typing import IO, Any, TypeVar
 
 from hysgen.errors import HysgenError
-from hysgen.machine.memory import THREAD, has_room
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.threads import THREAD, has_room, one_blas_thread
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from hysgen import upward
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
-from hysgen.model import on_arrays
+from hysgen.model import simulate
 from hysgen.model.disturbances import Term
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
@@ -208,11 +208,11 @@ class Model(Displayed):
         self, u_V: ArrayLike, y0_um: float | None = None, channels: Mapping[str, ArrayLike] | None = None
     ) -> Floats:
         """Displacement in um, (n,), of a free run under the voltages u_V, (n,), from rest under u(0) or from y0_um."""
-        return on_arrays.simulate(self, u_V, y0_um, channels)
+        return simulate.simulated_array(self, u_V, y0_um, channels)
 
     def predict(self, y_um: ArrayLike, u_V: ArrayLike, channels: Mapping[str, ArrayLike] | None = None) -> Floats:
         """One step ahead in um, (n,): element k predicts y(k) from measured y(k-1) and u(k-1); element 0 is y(0)."""
-        return on_arrays.predict(self, y_um, u_V, channels)
+        return simulate.predicted_array(self, y_um, u_V, channels)
 
     def inverse(self, reference_um: ArrayLike, y_um: ArrayLike | None = None) -> Floats:
         """Voltage in V, (n - 1,), that takes y(k) to reference(k + 1), Eq. (11), in float32 by the generated C.

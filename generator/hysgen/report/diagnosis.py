@@ -9,11 +9,11 @@ from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.codegen import Options, generate
 from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text, share_text
 from hysgen.errors import HysgenError
-from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
-from hysgen.report.plots.diagnosis import pictures
-from hysgen.report.plots.simulated import fit_percent
-from hysgen.report.plots.style import Picture
-from hysgen.report.sections import (
+from hysgen.report.page import (
+    KeyFigure,
+    Page,
+    PageSection,
+    PageTable,
     cost_section,
     equivalence_section,
     glossary_section,
@@ -21,6 +21,9 @@ from hysgen.report.sections import (
     provenance_section,
     uncertainty_section,
 )
+from hysgen.report.plots.diagnosis import pictures
+from hysgen.report.plots.simulated import fit_percent
+from hysgen.report.plots.style import Picture
 from hysgen.report.words import CONFIDENCE, parameter_text, total_price, verdict
 from hysgen.uncertainty.simulated import Characterisation
 

@@ -15,7 +15,17 @@ from hysgen.model.scores import SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
-from hysgen.report.page import KeyFigure, Page, PageSection, PageTable
+from hysgen.report.page import (
+    KeyFigure,
+    Page,
+    PageSection,
+    PageTable,
+    cost_section,
+    equivalence_section,
+    glossary_section,
+    model_section,
+    provenance_section,
+)
 from hysgen.report.plots import style
 from hysgen.report.plots.simulated import (
     Simulated,
@@ -28,13 +38,6 @@ from hysgen.report.plots.simulated import (
 )
 from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import horizon
-from hysgen.report.sections import (
-    cost_section,
-    equivalence_section,
-    glossary_section,
-    model_section,
-    provenance_section,
-)
 
 COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00", "#56b4e9")
 """Of the models, in their order: Okabe and Ito (2008), as in `style`."""

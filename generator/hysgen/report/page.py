@@ -1,4 +1,4 @@
-"""An HTML page that refers to no other file: sentences, pictures, tables. The same content gives the same bytes."""
+"""An HTML page that refers to no other file: sentences, pictures, tables, and the sections common to all reports."""
 
 from __future__ import annotations
 
@@ -6,19 +6,30 @@ import base64
 import csv
 import functools
 import io
+import json
 import os
+import platform
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import jinja2
+import numpy as np
+import scipy
 
+from hysgen.certify.certificates import certify
+from hysgen.certify.dynamics import dynamics
+from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost
 from hysgen.codegen.render import template_environment
-from hysgen.machine.files import write_whole
-from hysgen.machine.installed import version
+from hysgen.machine.files import digest, version, write_whole
 from hysgen.machine.processes import in_processes
+from hysgen.model.file import dump_model
+from hysgen.model.model import Model
 from hysgen.report.plots.style import Picture, data_uri
+from hysgen.uncertainty.simulated import Characterisation
 
 GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
 """Labels of figures that the section "Glossary" explains (`sections.TERMS`)."""
@@ -134,3 +145,173 @@ def readable(text: str) -> str:
     '0.47 ± 0.01 µm, umbra, 3 µm/V'
     """
     return re.sub(r"-(?=O\d)", "-\u2060", re.sub(r"\bum\b", "µm", text).replace(" +- ", " ± "))
+
+
+def model_section(model: Model) -> PageSection:
+    """The model as a dynamic system, its parts, and its certificates."""
+    held = certify(model)
+    facts = [
+        ["rules", f"{model.grid.rules} over {model.grid.ends_um[0]:.4g} .. {model.grid.ends_um[1]:.4g} um"],
+        ["displacement range", f"{model.grid.y_min_um:.4g} .. {model.grid.y_max_um:.4g} um"],
+        ["input range", f"{model.u_min_V:.4g} .. {model.u_max_V:.4g} V"],
+        ["sampling period", f"{1e6 * model.Ts_s:.6g} µs"],
+        *[[f"path: {block.kind}", block.describe()] for block in model.blocks],
+        *[[f"disturbance: {term.kind}", term.describe()] for term in model.terms],
+        *([["learner", f"forgetting {model.learner.forgetting:.9g}"]] if model.learner else []),
+    ]
+    verdicts = [
+        ["gain of one sign: the inverse exists", _holds(held.gain_holds), held.lines()[0]],
+        ["contraction: the free run is stable", _holds(held.contraction_holds), held.lines()[1]],
+        ["inverse stable", _holds(held.inverse_holds), held.lines()[2]],
+    ]
+    return PageSection(
+        "Model and certificates",
+        text=[dynamics(model).describe().splitlines()[0]],
+        tables=[
+            PageTable(["part", "what it is"], facts, "Model"),
+            PageTable(["certificate", "holds", "how close"], verdicts, "Certificates over the whole range"),
+        ],
+        notes=[
+            f"Fitted beside the path: {3 * model.grid.rules} consequents of the rules, {model.weights.size} weights of "
+            "disturbances. The model file holds every number."
+        ],
+    )
+
+
+def equivalence_section(report: Report | None, why_not: str = "") -> PageSection:
+    """Whether the generated C equals its float32 reference, by function and build. report: None if not compared."""
+    title = "Generated C against its reference"
+    if report is None:
+        return PageSection(title, text=[f"Not compared: {why_not}."])
+    answer = (
+        f"Equal in every bit over {report.samples} samples per build."
+        if report.equal
+        else f"NOT EQUAL: {len(report.mismatches)} runs differ."
+    )
+    rows: dict[tuple[str, str], list[str]] = {}
+    for run in report.runs:
+        key = (run.model, run.function)
+        wrong = sum((m.model, m.function) == key for m in report.mismatches)
+        samples = sum(other.samples for other in report.runs if (other.model, other.function) == key)
+        rows[key] = [run.model, run.function, f"{samples}", f"{run.builds}", f"{wrong} differ" if wrong else "equal"]
+    return PageSection(
+        title,
+        text=[answer],
+        tables=[PageTable(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2, right=1)],
+        notes=[
+            f"Builds: {', '.join(report.builds)}.",
+            *(f"Not compared: {reason}." for reason in report.skipped),
+            *(f"Altered: {reason}." for reason in report.altered),
+            *(f"Different: {mismatch}." for mismatch in report.mismatches),
+        ],
+    )
+
+
+def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
+    """Cycles against the sample period, operations and bytes. price: None if unknown, for the reason `why_not`."""
+    title = "Cost against budget"
+    if price is None:
+        return PageSection(title, text=[f"Not known: {why_not}."])
+    rows = [
+        [
+            f.name,
+            f"{f.cycles.value}" if f.cycles.measured else f"~{f.cycles.value}",
+            f"{100.0 * f.cycles.value / price.budget:.2g} %",
+            f"{f.operations.add + f.operations.multiply}",
+            f"{f.operations.load + f.operations.store}",
+        ]
+        for f in price.functions
+    ]
+    measured = all(f.cycles.measured for f in price.functions)
+    return PageSection(
+        title,
+        text=[
+            f"One sample takes {price.per_sample} of {price.budget} at {1e-3 / price.Ts_s:.4g} kHz and "
+            f"{price.clock_Hz / 1e6:.4g} MHz: {100.0 * price.share:.2g} %."
+        ],
+        tables=[
+            PageTable(["function", "C674x cycles", "of a period", "float operations", "loads and stores"], rows, left=1)
+        ],
+        notes=[
+            "Bytes: "
+            + ", ".join(f"{name} {size}" for name, size in price.struct_bytes.items())
+            + f", constants {price.constant_bytes}.",
+            *([] if measured else ["~ cycles are estimated from the operations; init runs once, not in every sample."]),
+            "Memory stalls, caches and interrupts are not modelled; nothing has run on silicon.",
+        ],
+    )
+
+
+def uncertainty_section(found: Characterisation) -> PageSection:
+    """Budget after the GUM with the model error by cause, quantities of a positioning axis, and errors removed."""
+    budget = found.budget
+    head = ["contribution", "type", "standard uncertainty um", "degrees of freedom", "of the variance", "from"]
+    removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
+    tables = [
+        PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=2, right=1),
+    ]
+    if removed:
+        tables.append(
+            PageTable(
+                ["extension", "error removed, um rms"],
+                removed,
+                "Error of the free run that each extension removes",
+                left=1,
+            )
+        )
+    return PageSection(
+        "Uncertainty",
+        text=[
+            f"Expanded uncertainty {budget.expanded_um:.3g} um: k = {budget.factor:.3g} for a coverage of "
+            f"{100 * budget.coverage:.0f} %, combined standard uncertainty {budget.combined_um:.3g} um."
+        ],
+        tables=tables,
+        notes=[
+            *(f"Not known: {name}." for name in found.missing),
+            "This page is a characterisation report, not a calibration certificate.",
+        ],
+    )
+
+
+TERMS = (
+    ("free run", "simulation from the first measured displacement alone; its error is the error of a simulation"),
+    ("fit (NRMSE)", "100 (1 - |y - yhat| / |y - mean y|) in %, of the free run"),
+    ("noise floor", "rms of the displacement that no model can explain, estimated from the record"),
+    ("stroke", "range of the displacement over the whole record; percentages refer to it"),
+    ("held out", "rows that no fit uses; they are scored only"),
+    ("gain", "fall of the held-out rms error by an extension, with a 95 % interval by block bootstrap"),
+    ("confidence", "posterior probability of the cause over all chains of causes that were compared"),
+    ("of the error", "share of the power of the error above the noise floor"),
+    ("horizon", "time over which the displacement is predicted from one measured sample"),
+    ("price a sample", "cycles of the DSP and bytes that the extensions add"),
+    ("generated C", "float32 C of the model; equal bits: every build computes what the NumPy reference computes"),
+)
+"""Words of the page with their meaning."""
+
+
+def glossary_section() -> PageSection:
+    """The words of the page; the figures at its top link to it."""
+    return PageSection("Glossary", tables=[PageTable(["word", "meaning"], [list(term) for term in TERMS])])
+
+
+def provenance_section(model: Model, facts: Sequence[tuple[str, str]]) -> PageSection:
+    """The inputs of this page: `facts`, digest of the model, settings of its fit, versions of the software."""
+    fit = model.history.get("fit", {})
+    rows = [
+        *[list(fact) for fact in facts],
+        ["model", f"{model.name}, SHA-256 {digest(dump_model(model).encode())}"],
+        ["fit settings", _settings(fit if isinstance(fit, dict) else {})],
+        ["hysgen", version()],
+        ["Python, NumPy, SciPy", f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"],
+    ]
+    return PageSection("Provenance", tables=[PageTable(["what", "which"], rows)])
+
+
+def _settings(fit: Mapping[str, Any]) -> str:
+    """The settings of a fit without its terms and blocks, which the model section lists."""
+    plain = {key: value for key, value in fit.items() if key not in ("terms", "blocks")}
+    return ", ".join(f"{key} {json.dumps(value)}" for key, value in plain.items()) or "not recorded in the model"
+
+
+def _holds(holds: bool) -> str:
+    return "yes" if holds else "NO"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from hysgen.checking.budget_file import Figures
+from hysgen.checking.cost import Figures
 from hysgen.codegen.operations.cycles import Weights
 from hysgen.model.model import Model
 

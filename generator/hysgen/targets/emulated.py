@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hysgen.checking.proof.emulated.contraction import Fused, contraction, contraction_rows
-from hysgen.checking.proof.emulated.equality import EmulationSettings, equality
-from hysgen.checking.proof.emulated.platforms import PLATFORMS
+from hysgen.checking.proof.emulated_equality import EmulationSettings, Fused, contraction, contraction_rows, equality
+from hysgen.checking.proof.emulated_program import PLATFORMS
 from hysgen.display import table
 from hysgen.model.model import Model
 from hysgen.targets.base import Equality, Extent, Progress, Target, Texts

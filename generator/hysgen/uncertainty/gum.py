@@ -1,4 +1,4 @@
-"""The budget of an uncertainty after JCGM 100:2008 (GUM): combined standard uncertainty and its expansion.
+"""The budget of an uncertainty after JCGM 100:2008 (GUM), and the uncertainty of the displacement sensor.
 
     u_c^2 = sum_i (c_i u_i)^2,    nu_eff = u_c^4 / sum_i (c_i u_i)^4 / nu_i,    U = k u_c,    k = t_p(nu_eff)
 
@@ -8,6 +8,7 @@ Eqs (10), (G.2b) and (G.1d) there; contributions are independent, the measurand 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -16,6 +17,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from hysgen.display import decimal
+from hysgen.errors import HysgenError
 
 COVERAGE: Final = 0.95
 Shape = Literal["normal", "rectangular"]
@@ -129,3 +131,50 @@ def independent_samples(errors: Sequence[float]) -> float:
     below = np.flatnonzero(rho <= 0.0)
     last = int(below[0]) if below.size else n
     return float(max(1.0, n / (1.0 + 2.0 * float(rho[1:last].sum()))))
+
+
+_UNITS_UM = {"m": 1e6, "mm": 1e3, "um": 1.0, "µm": 1.0, "nm": 1e-3, "pm": 1e-6}
+_LENGTH = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)\s*([a-zµ]+)")
+
+
+@dataclass(frozen=True)
+class SensorUncertainty:
+    """Expanded uncertainty U and coverage factor k of the sensor; source: the text."""
+
+    expanded_um: float
+    k: float
+    source: str
+
+    @property
+    def standard_um(self) -> float:
+        """u = U / k."""
+        return self.expanded_um / self.k
+
+
+def length_um(text: str) -> float:
+    """A length as `5nm` in um.
+
+    >>> length_um("5 nm")
+    0.005
+
+    Raises HysgenError for another text.
+    """
+    found = _LENGTH.fullmatch(text.strip())
+    if found is None or found[2] not in _UNITS_UM:
+        raise HysgenError(f"'{text}' is not a length; write a number and one of {', '.join(_UNITS_UM)}, as 5nm")
+    return float(found[1]) * _UNITS_UM[found[2]]
+
+
+def sensor_uncertainty(text: str) -> SensorUncertainty:
+    """`5nm,k=2`, or `5nm` (a standard uncertainty, k = 1). Raises HysgenError for another text."""
+    length, comma, factor = text.partition(",")
+    name, equals, value = factor.partition("=")
+    if comma and (name.strip() != "k" or not equals):
+        raise HysgenError(f"--sensor-uncertainty: '{text}' is not LENGTH,k=FACTOR; write 5nm,k=2")
+    try:
+        k = float(value) if comma else 1.0
+    except ValueError:
+        k = math.nan
+    if not k > 0.0:
+        raise HysgenError(f"--sensor-uncertainty: the coverage factor '{value}' is not a positive number; write k=2")
+    return SensorUncertainty(length_um(length), k, f"stated: {text}")

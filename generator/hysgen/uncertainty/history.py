@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.errors import HysgenError
-from hysgen.fitting.compare import loop_frequencies, physics, require_same_structure
+from hysgen.fitting.refit import loop_frequencies, physics, require_same_structure
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 

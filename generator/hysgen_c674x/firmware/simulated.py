@@ -15,8 +15,8 @@ import numpy as np
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import TargetError
+from hysgen.firmware.binding import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, Sources, read_sources
 from hysgen.firmware.host import State
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, Sources, read_sources
 from hysgen.machine.native import build
 from hysgen.model.model import Model
 from hysgen_c674x.cycles import bounds

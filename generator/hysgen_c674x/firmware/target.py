@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from hysgen.firmware.sources import CONTROLLER, TARGET_BOARD, Sources, read_sources
+from hysgen.firmware.binding import CONTROLLER, TARGET_BOARD, Sources, read_sources
 from hysgen_c674x import toolchain
 from hysgen_c674x.footprint import c_texts
 from hysgen_c674x.toolchain import Firmware

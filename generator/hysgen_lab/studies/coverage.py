@@ -21,7 +21,7 @@ from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.record.noise import noise_floor
-from hysgen.uncertainty.sensor import SensorUncertainty
+from hysgen.uncertainty.gum import SensorUncertainty
 from hysgen.uncertainty.simulated import Evidence, budget
 from hysgen_lab.stage import Preisach, Stage
 from hysgen_lab.stage.effects.memory import Density

@@ -17,9 +17,8 @@ import pytest
 from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import scheduled_model
 from fixtures.firmware_bench import ModelStage, model
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware.binding import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, firmware_model, read_sources
 from hysgen.firmware.host import State
-from hysgen.firmware.sources import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, read_sources
 from hysgen.model.model import Model
 from hysgen_c674x import interpreter, toolchain
 from hysgen_c674x.footprint import c_texts

@@ -9,7 +9,7 @@ import pytest
 
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import model
-from hysgen.firmware import sources
+from hysgen.firmware import binding
 from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.model.file import load_model
 from hysgen_c674x import toolchain
@@ -55,7 +55,7 @@ def test_the_page_states_the_cycles_to_the_output() -> None:
 @pytest.mark.slow
 def test_a_learner_before_the_output_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     need_compiler()
-    read = sources.read_sources
+    read = binding.read_sources
     behind = (
         "    hysgen_board_voltage(board, hysgen_controller_step(&self->controller, y_um, reference_um, amplifier));\n"
     )
@@ -64,7 +64,7 @@ def test_a_learner_before_the_output_is_seen(monkeypatch: pytest.MonkeyPatch) ->
         "    hysgen_controller_learn(&self->controller);\n    hysgen_board_voltage(board, u_V);\n"
     )
 
-    def planted(folder: str, *patterns: str) -> sources.Sources:
+    def planted(folder: str, *patterns: str) -> binding.Sources:
         return [(name, text.replace(behind, moved)) for name, text in read(folder, *patterns)]
 
     monkeypatch.setattr("hysgen_c674x.firmware.simulated.read_sources", planted)

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Final
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits.builds import COMPILERS, LEVELS, compiled, toolchains, versions
 from hysgen.checking.bits.comparison import compare, samples_to_compare
 from hysgen.checking.bits.random_models import (
     complete_model,
@@ -23,6 +22,7 @@ from hysgen.checking.bits.random_models import (
     random_model,
 )
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
+from hysgen.checking.host import COMPILERS, LEVELS, compiled, toolchains, versions
 from hysgen.codegen import Options, generate
 from hysgen.codegen.manifest import read_folder
 from hysgen.model.model import Model

@@ -17,11 +17,9 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.bits.functions import LEARNER, MODEL, Lanes
-from hysgen.checking.bits.induction import CallTrace, first_difference
-from hysgen.checking.bits.inputs import weaker_stage
+from hysgen.checking.bits.functions import LEARNER, MODEL, CallTrace, Lanes, first_difference, weaker_stage
 from hysgen.checking.host import Host
-from hysgen.float32.learner_status import Commit
+from hysgen.float32.learner_words import Commit
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]

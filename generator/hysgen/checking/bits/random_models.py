@@ -10,8 +10,7 @@ import numpy as np
 
 from hysgen.certify.certificates import certify
 from hysgen.errors import CertificateError
-from hysgen.float32.coefficients import coefficients
-from hysgen.float32.commit_numbers import commit_numbers
+from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.model.disturbances import Term
 from hysgen.model.disturbances import kinds as term_kinds
 from hysgen.model.model import Grid, Model

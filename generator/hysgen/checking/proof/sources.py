@@ -1,13 +1,20 @@
-"""Generated C in a folder of its own, for the tools that look at files."""
+"""Generated C in a folder of its own for tools that look at files, with lines of a proof at the hooks."""
 
 from __future__ import annotations
 
+import difflib
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+from hysgen.codegen import marked_source
+from hysgen.codegen.hooks import END, HOOK
 from hysgen.codegen.manifest import c_files
+from hysgen.codegen.structs import interface_of
+from hysgen.errors import ModelError
+from hysgen.model.model import Model
 
 
 @contextmanager
@@ -17,3 +24,81 @@ def folder_of(texts: Mapping[str, str]) -> Iterator[Path]:
         for file, text in c_files(texts).items():
             Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
         yield Path(scratch)
+
+
+@dataclass(frozen=True)
+class _Hooks:
+    """The hooks of the templates of `<name>.c`: lines of the C, and (number of lines before it, name) of each hook."""
+
+    lines: list[str]
+    places: list[tuple[int, str]]
+
+
+def hooked(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[str]]) -> str:
+    """`<name>.c` of generated `texts` with `lines` inserted at the hooks that bear their names.
+
+    The templates give the places. In a text that has changed since its generation, for example without a guard, a hook
+    is found by an unchanged line before or behind it. Raises ModelError if both lines have changed.
+    """
+    source = texts[f"{model.name}.c"].splitlines(keepends=True)
+    hooks = _hooks(model, texts)
+    moved = _same_lines(hooks.lines, source)
+    parts: list[str] = []
+    start = 0
+    for place, name in hooks.places:
+        if name not in lines:
+            continue
+        if place - 1 in moved:
+            end = moved[place - 1] + 1
+        elif place in moved:
+            end = moved[place]
+        else:
+            raise ModelError(f"{model.name}: the lines at the hook `{name}` are not those of the templates")
+        parts += [*source[start:end], *(f"{line}\n" for line in lines[name])]
+        start = end
+    return "".join([*parts, *source[start:]])
+
+
+def replaced(model: Model, texts: Mapping[str, str], hook: str, lines: Sequence[str]) -> dict[str, str]:
+    """`texts` with `lines` in place of the line behind every hook `hook`, or of those up to the hook `hook: end`.
+
+    The lines are indented as the first replaced line. Raises ModelError if the templates have no such hook, or if the
+    lines behind it have changed after the generation.
+    """
+    file = f"{model.name}.c"
+    source = texts[file].splitlines(keepends=True)
+    hooks = _hooks(model, texts)
+    begins = [place for place, name in hooks.places if name == hook]
+    ends = [place for place, name in hooks.places if name == hook + END] or [place + 1 for place in begins]
+    moved = _same_lines(hooks.lines, source)
+    if not begins or not all(row in moved for a, b in zip(begins, ends, strict=True) for row in range(a, b)):
+        raise ModelError(f"{model.name}: the lines behind the hook `{hook}` are not those of the templates")
+    for begin, end in sorted(zip(begins, ends, strict=True), reverse=True):
+        first = source[moved[begin]]
+        indent = first[: len(first) - len(first.lstrip())]
+        source[moved[begin] : moved[end - 1] + 1] = [f"{indent}{line}\n" for line in lines]
+    return {**texts, file: "".join(source)}
+
+
+def hook_names(model: Model, texts: Mapping[str, str]) -> list[str]:
+    """Names of the hooks in the templates of `<name>.c`, in the order of the text."""
+    return [name for _, name in _hooks(model, texts).places]
+
+
+def _hooks(model: Model, texts: Mapping[str, str]) -> _Hooks:
+    hooks = _Hooks([], [])
+    inverse = interface_of(model.name, texts).has("inverse")
+    for line in marked_source(model, inverse=inverse).splitlines(keepends=True):
+        if line.startswith(HOOK):
+            hooks.places.append((len(hooks.lines), line.removeprefix(HOOK).rstrip("\n")))
+        else:
+            hooks.lines.append(line)
+    return hooks
+
+
+def _same_lines(one: Sequence[str], other: Sequence[str]) -> dict[int, int]:
+    """Index in `other` of the lines of `one` that are the same there."""
+    if one == other:
+        return {i: i for i in range(len(one))}
+    blocks = difflib.SequenceMatcher(None, one, other, autojunk=False).get_matching_blocks()
+    return {block.a + i: block.b + i for block in blocks for i in range(block.size)}

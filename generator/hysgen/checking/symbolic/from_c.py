@@ -16,12 +16,11 @@ from typing import Final
 
 from pycparser import c_ast
 
-from hysgen.checking.symbolic.branches import Branches
 from hysgen.checking.symbolic.dataflow import Graph, Kernel
 from hysgen.checking.symbolic.expressions import Expressions
-from hysgen.checking.symbolic.memory import Place, SymbolicMemory, Value, Whole, size_of
+from hysgen.checking.symbolic.memory import Branches, Place, SymbolicMemory, Value, Whole, size_of
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
-from hysgen.codegen.operations.types import Array, Pointer, StructType, Type
+from hysgen.codegen.operations.text import Array, Pointer, StructType, Type
 
 MOST_OPERATIONS: Final = 12_000
 """Operations of a kernel, bounded because a schedule's time and code grow with them."""

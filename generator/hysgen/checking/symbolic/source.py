@@ -8,8 +8,7 @@ from collections.abc import Mapping
 from pycparser import c_ast
 
 from hysgen.checking.symbolic.semantics import to_image
-from hysgen.codegen.operations.text import concatenated, parsed
-from hysgen.codegen.operations.types import Type, Types
+from hysgen.codegen.operations.text import Type, Types, concatenated, parsed
 from hysgen.errors import TargetError
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
-from hysgen.checking.bits.builds import COMPILERS, LEVELS, toolchains
 from hysgen.checking.cost import cost
+from hysgen.checking.host import COMPILERS, LEVELS, toolchains
 from hysgen.cli.console import Console
 from hysgen.cli.outputs import Output, check_file, check_files
 from hysgen.cli.verbs import Verb

@@ -22,7 +22,7 @@ from hysgen.model.model import Model
 from hysgen.model.scores import score_identification
 from hysgen.record import check_for_fit, check_validation
 from hysgen.report.words import diagnosis_text, price_of
-from hysgen.uncertainty.sensor import length_um, sensor_uncertainty
+from hysgen.uncertainty.gum import length_um, sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
 
 DIAGNOSE_HELP = """\

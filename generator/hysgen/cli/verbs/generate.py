@@ -7,15 +7,13 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from hysgen.checking.budget_file import FigureChange, changes, read, update
-from hysgen.checking.cost import Cost, cost
+from hysgen.checking.cost import Cost, FigureChange, changes, cost, read, update
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.codegen import Options, generate, write
-from hysgen.codegen.freshness import stale
-from hysgen.codegen.manifest import read_folder
+from hysgen.codegen.manifest import read_folder, stale
 from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ
 from hysgen.display import table
 from hysgen.errors import HysgenError

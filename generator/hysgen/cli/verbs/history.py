@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     console.say(f"{len(found.files)} models, {first} to {last}; drift at rest {found.drift_um:.3g} um")
     if arguments.plot:
         from hysgen.report.plots import style
-        from hysgen.report.plots.history import changes
+        from hysgen.report.plots.results import changes
 
         console.say(f"written: {style.save(changes(found).figure, Path(arguments.plot))}")
     exceeded = ", ".join(trend.what for trend in found.exceeded)

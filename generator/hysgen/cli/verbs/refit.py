@@ -16,15 +16,13 @@ from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import scheduled
 from hysgen.codegen import Options, generate, write
-from hysgen.codegen.freshness import stale
-from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.codegen.manifest import MANIFEST, read_folder, stale
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.evaluation import diagnose_and_evaluate
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
-from hysgen.fitting.compare import compare
-from hysgen.fitting.refit import refit, restricted_as, structure_fits
+from hysgen.fitting.refit import compare, refit, restricted_as, structure_fits
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record

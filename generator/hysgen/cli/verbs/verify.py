@@ -6,10 +6,10 @@ import argparse
 from pathlib import Path
 
 from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
-from hysgen.checking.bits.inputs import LEARNING_SHARE
+from hysgen.checking.bits.functions import LEARNING_SHARE
 from hysgen.checking.cost import cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
-from hysgen.checking.proof.emulated.platforms import PLATFORMS
+from hysgen.checking.proof.emulated_program import PLATFORMS
 from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb

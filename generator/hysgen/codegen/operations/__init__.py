@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 from pycparser import c_ast
 
-from hysgen.codegen.operations.counting import Program
-from hysgen.codegen.operations.counts import Counts
-from hysgen.codegen.operations.text import concatenated, parsed
-from hysgen.codegen.operations.types import Types, words
+from hysgen.codegen.operations.counting import Counts, Program
+from hysgen.codegen.operations.text import Types, concatenated, parsed, words
 from hysgen.machine.cache import LruCache
 
 __all__ = ["Counts", "Figures", "figures"]

@@ -18,7 +18,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from hysgen.codegen.operations.counts import Counts
+from hysgen.codegen.operations.counting import Counts
 from hysgen.errors import BudgetError
 from hysgen.model.model import Model
 

@@ -2,7 +2,7 @@
 
 The displacement jumps, or the gain changes, and stays so. Without these parts a chain would explain them by the slow
 causes that resemble them most, a drift or aging. Structure of another shape that is left in the residual is described
-in words (`diagnosis.advice`).
+in words (`diagnosis.identifiability`).
 """
 
 from __future__ import annotations

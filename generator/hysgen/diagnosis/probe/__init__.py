@@ -19,8 +19,7 @@ from hysgen.diagnosis.probe.solve import (
     training_fit,
 )
 from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
-from hysgen.diagnosis.probe.uncertainty import StandardErrors, standard_errors
-from hysgen.diagnosis.probe.whitened import WhitenedScene, whitened_fit
+from hysgen.diagnosis.probe.uncertainty import StandardErrors, WhitenedScene, standard_errors, whitened_fit
 from hysgen.fitting.operator import Operator
 
 __all__ = [

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned
-from hysgen.diagnosis.probe.dynamics import lagged, respond_into, respond_on_rows
+from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned, lagged, respond_into, respond_on_rows
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator

@@ -29,9 +29,9 @@ from hysgen.float32.reference.instance import Instance
 from hysgen.machine.reproducible import drawn, product
 from hysgen.model.file import load_model
 from hysgen.model.float32_arithmetic import Floats32
-from hysgen.model.membership import memberships
 from hysgen.model.model import Model
 from hysgen.model.path import applied
+from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
 

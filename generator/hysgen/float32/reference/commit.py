@@ -1,4 +1,4 @@
-"""`<name>_commit` over lanes: the check of a shadow against `hysgen.float32.commit_numbers`, and its activation."""
+"""`<name>_commit` over lanes: the check of a shadow against `hysgen.float32.coefficients`, and its activation."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hysgen.float32.commit_numbers import CommitNumbers
-from hysgen.float32.learner_status import Commit, Phase
-from hysgen.float32.reference.factorised import magnitude
-from hysgen.float32.reference.learner import Learner
+from hysgen.float32.coefficients import CommitNumbers
+from hysgen.float32.learner_words import Commit, Phase
+from hysgen.float32.reference.learner import Learner, magnitude
 from hysgen.float32.reference.learner_state import Mask
 from hysgen.model.float32_arithmetic import Floats32, Words, bits_of
 

@@ -13,15 +13,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from hysgen.float32.coefficients import Bank, Coefficients, coefficients
-from hysgen.float32.instance_words import InstanceWords
-from hysgen.float32.reference.rules import RuleSums, rule_sums
-from hysgen.float32.reference.safety import finite, limited
+from hysgen.float32.reference.rules import RuleSums, finite, limited, rule_sums
+from hysgen.float32.struct_words import InstanceWords
 from hysgen.model.disturbances import channels_of
 from hysgen.model.float32_arithmetic import Floats32, Words, flushed, reciprocal
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
-from hysgen.model.status import Status
+from hysgen.model.structs import Status
 
 _LAST = np.uint32(0xFFFFFFFF)
 

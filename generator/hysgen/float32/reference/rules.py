@@ -1,4 +1,4 @@
-"""The sums over the rules in Eq. (4), numerators and denominator, over lanes, with one exponential per sample.
+"""Input checks over lanes, and the sums over the rules in Eq. (4), with one exponential per sample.
 
 S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
 """
@@ -10,8 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients
-from hysgen.model.float32_arithmetic import Floats32, Words, bits_of, power_of_two
-from hysgen.model.float32_constants import ROUNDING
+from hysgen.model.float32_arithmetic import (
+    INFINITY_BITS,
+    LEAST_BITS,
+    MAGNITUDE_BITS,
+    ROUNDING,
+    Floats32,
+    Words,
+    bits_of,
+    float_of,
+    power_of_two,
+)
 
 _ONE = np.float32(1.0)
 _OCTAVES = np.float32(OCTAVES_PER_STEP)
@@ -92,3 +101,21 @@ def pairwise(parts: list[Floats32]) -> Floats32:
         joined = [parts[k] + parts[k + 1] for k in range(0, len(parts) - 1, 2)]
         parts = [*joined, *parts[2 * len(joined) :]]
     return parts[0]
+
+
+def finite(x: Floats32, held: Floats32) -> tuple[Floats32, Words]:
+    """`x` where it is finite, `held` where it is NaN or infinite; magnitudes below 2^-40 become +0.
+
+    Returns the numbers, and 1 where `x` was replaced by `held`, else 0. The bit patterns are compared, not the floats,
+    so that no float comparison has a NaN operand.
+    """
+    magnitude = bits_of(x) & np.uint32(MAGNITUDE_BITS)
+    rejected = magnitude >= np.uint32(INFINITY_BITS)
+    chosen = np.where(magnitude < LEAST_BITS, np.uint32(0), bits_of(x))
+    return float_of(np.where(rejected, bits_of(held), chosen)), rejected.astype(np.uint32)
+
+
+def limited(x: Floats32, low: Floats32 | np.float32, high: Floats32 | np.float32) -> tuple[Floats32, Words]:
+    """`x` limited to [low, high], and 1 where the limit changed it, else 0."""
+    below, above = x < low, x > high
+    return np.where(below, low, np.where(above, high, x)), (below | above).astype(np.uint32)

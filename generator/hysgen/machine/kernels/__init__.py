@@ -11,18 +11,13 @@ tested against it. `hysgen.machine.native` compiles a file once per machine and 
 from __future__ import annotations
 
 from hysgen.machine.kernels.estimation import innovation_gains, innovations, rls_updates, triangularise
-from hysgen.machine.kernels.hysteresis import (
+from hysgen.machine.kernels.operators import (
+    Branch,
     HysteresisSeries,
+    LinearPart,
     PreisachBasis,
     duhem_columns,
     hysteresis_path,
-    preisach_columns,
-    preisach_path,
-    rate_limited,
-)
-from hysgen.machine.kernels.operators import (
-    Branch,
-    LinearPart,
     lag_of_signals,
     lag_states,
     lag_sums,
@@ -30,6 +25,9 @@ from hysgen.machine.kernels.operators import (
     linear_response_rows,
     mode_states,
     play_operators,
+    preisach_columns,
+    preisach_path,
+    rate_limited,
     slew_limited,
 )
 from hysgen.machine.kernels.run import (

@@ -17,10 +17,9 @@ import numpy as np
 
 from hysgen.errors import ModelError
 from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
-from hysgen.model.float32_constants import LEAST
+from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
-from hysgen.model.status import Status
-from hysgen.model.structs import Member, Quantity
+from hysgen.model.structs import Member, Quantity, Status
 
 MOST_TAPS = 64
 

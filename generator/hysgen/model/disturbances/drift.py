@@ -24,9 +24,9 @@ import numpy as np
 from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.disturbances.base import Drive, Floats, Floats32, Mirror, Term, TermBox
+from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import symmetric
 from hysgen.model.structs import Member, Quantity
-from hysgen.model.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.model.float32_constants import LEAST
+from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.part import ModelPart
 from hysgen.model.structs import MirroredStruct

@@ -18,13 +18,12 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.kernels import lag_states
-from hysgen.machine.reproducible import expm1
+from hysgen.machine.reproducible import expm1, spectral_radius
+from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
-from hysgen.model.twofloat import KEPT, accumulate
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
+from hysgen.model.float32_arithmetic import KEPT
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock
 from hysgen.model.path.hysteresis_mirror import (
@@ -47,7 +48,6 @@ from hysgen.model.path.hysteresis_mirror import (
 )
 from hysgen.model.path.hysteresis_steps import accepted_residual, newton_steps
 from hysgen.model.structs import Member, Quantity
-from hysgen.model.twofloat import KEPT
 
 LEAST_HALF_WIDTH = 2.0**-12
 """Smallest half-width of a play: the state x - r or x + r of a play is then 0 or at least 2^-40 in magnitude."""

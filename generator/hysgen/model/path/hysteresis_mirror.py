@@ -36,12 +36,10 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import HysteresisSeries
 from hysgen.machine.reproducible import total
-from hysgen.model.float32_arithmetic import bits_of, float_of, flushed, power_of_two
-from hysgen.model.float32_constants import LEAST, RECIPROCAL_SEED
+from hysgen.model.float32_arithmetic import LEAST, RECIPROCAL_SEED, accumulate, bits_of, float_of, flushed, power_of_two
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockMirror, Floats, Floats32, limited
 from hysgen.model.structs import Member
-from hysgen.model.twofloat import accumulate
 
 SLACK: Final = np.float32(2.0**-22)
 """Distance in half ranges from which on `solve` takes a play along; larger than the rounding error of z + r."""

@@ -25,13 +25,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.machine.eigenvalues import spectral_radius
 from hysgen.machine.kernels import mode_states
-from hysgen.machine.reproducible import exp, expm1, sine
+from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
+from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
-from hysgen.model.twofloat import KEPT, accumulate
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
 

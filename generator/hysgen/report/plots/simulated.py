@@ -16,9 +16,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from hysgen.report.plots import style
-from hysgen.report.plots.measured import LOOP_POINTS, spectra
 from hysgen.report.plots.style import Picture
-from hysgen.report.plots.traces import envelope
+from hysgen.report.plots.traces import LOOP_POINTS, envelope, spectra
 
 Floats = NDArray[np.float64]
 

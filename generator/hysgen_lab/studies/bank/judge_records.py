@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.evaluation import Extension, Naming, free_run_error, name_causes, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.trial import Extension, Naming, free_run_error, name_causes, prepare
 from hysgen.fitting import PathSize
 from hysgen_lab.stage import Preisach, Relays, effect_shares, effects
 from hysgen_lab.stage.effects import UNKNOWN, Tolerance

@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 
 from hysgen.diagnosis.causes import Known, causes
+from hysgen.diagnosis.evaluation import Extension, free_run_error, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.trial import Extension, free_run_error, prepare
 from hysgen_lab.studies.bank.scenario import Scenario
 
 

@@ -15,11 +15,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.float32.learner_status import LEARNER_COUNTERS
+from hysgen.float32.learner_words import LEARNER_COUNTERS
 from hysgen.machine.native import build
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.membership import rule_regressors
 from hysgen.model.model import Grid, Model
+from hysgen.model.regression import rule_regressors
 from hysgen_lab.stage import Stage
 from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
 from hysgen_lab.studies.endurance.excitations import Excitation, excitations

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen import Options, generate
-from hysgen.codegen.interface import interface_of
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
+from hysgen.codegen.structs import interface_of
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learned_model, learner_numbers
 from hysgen.machine.native import Library, Toolchain, build

@@ -1,4 +1,4 @@
-"""The certified box: an interval for every float of a generated instance that no call leaves.
+"""The certified box: an interval for every float of an instance, of its banks and of its learner that no call leaves.
 
 The proof assumes the box of the state before a call and demands it after the call; by induction it holds for every
 sequence of calls. The box consists of those of the terms and input blocks (`Term.box`, `InputBlock.box`), and of the
@@ -8,21 +8,36 @@ interval of y_um by the convexity of Eq. (4),
 
 widened by WIDENED for rounding and for the excess of interval arithmetic. Flags, counters and phases may have
 any value.
+
+commit accepts parameters within their limit (`bank_box`) whose gain lies between floor and ceiling over the whole
+range; it evaluates the gain at check points, with Taylor bounds between them (`commit_numbers.py`). The limit is proved
+of the generated C. The bounds of the gain are a theorem that an interval analysis cannot derive; the proof assumes them
+(`committed_gain_annotation`), less a bound of the rounding errors.
+
+The covariance is left out: U, D and what one update keeps of them (U' x, D U' x, the lower words of the parameters) may
+hold any 32 bits, NaN among them. Intervals cannot see why a covariance stays positive; the generated code does not rely
+on it either, but looks for what has gone wild and starts again.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from hysgen.float32.coefficients import coefficients
+from hysgen.certify.certificates import certify
+from hysgen.errors import ModelError
+from hysgen.float32.coefficients import Floats32, coefficients, commit_numbers
+from hysgen.float32.learner_numbers import FAST, learner_numbers
+from hysgen.float32.learner_words import LearnerWords
+from hysgen.float32.struct_words import Holds
 from hysgen.model import disturbances
-from hysgen.model.intervals import Interval
+from hysgen.model.float32_arithmetic import LIMIT
+from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
-from hysgen.model.twofloat import LIMIT
 
 WIDENED: Final = 0.75
 """Part of its width by which the interval of a sum over the rules is widened at either end."""
@@ -104,3 +119,167 @@ def _rules(model: Model, applied: Interval) -> Interval:
     q = model.consequents
     values = q[:, 0, None, None] * y[:, None] + q[:, 1, None, None] * v + q[:, 2, None, None]
     return Interval(float(values.min()), float(values.max()))
+
+
+def hexadecimal(x: float) -> str:
+    """A float32 as a C literal without loss of digits.
+
+    >>> hexadecimal(-0.75)
+    '-0x1.8p-1f'
+    """
+    mantissa, exponent = float(np.float32(x)).hex().split("p")
+    return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}p{int(exponent)}f"
+
+
+INTERVAL_EXCESS: Final = 4.0
+"""Ratio of the magnitude that an interval analysis gives for an output to its largest magnitude."""
+
+ROUNDINGS: Final = 64.0 * 2.0**-24
+"""Bound of the rounding error of a sum over the rules or of a check point, per largest number of the bank."""
+
+
+def bank_box(model: Model) -> dict[str, Interval]:
+    """Every number of a bank of a model that learns, by C path."""
+    numbers = learner_numbers(model, coefficients(model))
+    bank = coefficients(model).bank
+    groups = {"slope": bank.slope, "offset": bank.offset, "gain": bank.gain, "weight": bank.weight}
+    box = {f"{group}[{i}]": _at(x) for group, values in groups.items() for i, x in enumerate(values)}
+    for parameter, per_scale in zip(numbers.parameters, numbers.per_scale, strict=True):
+        reach = symmetric(float(numbers.limit_um) * float(per_scale))
+        if parameter.group == "bias":
+            for i in range(len(bank.offset)):
+                box[f"offset[{i}]"] = reach.hull(box[f"offset[{i}]"]).outwards(reach.high)
+        else:
+            path = f"{parameter.group}[{parameter.index}]"
+            box[path] = reach.hull(box[path]).outwards()
+    return box
+
+
+def committed_box(model: Model) -> dict[str, Interval]:
+    """`instance_box` of a model that learns: the interval of y_um is wider, because any bank may be active."""
+    box, banks, numbers = instance_box(model), bank_box(model), coefficients(model)
+    most = {group: _most(banks, group, numbers.strength) for group in ("slope", "offset", "gain")}
+    y = max(abs(model.grid.y_min_um), abs(model.grid.y_max_um))
+    u = model.w_range.magnitude
+    extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(regressor_sizes(model)))
+    reach = INTERVAL_EXCESS * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
+    return box | {"y_um": symmetric(reach).hull(box["y_um"]).outwards()}
+
+
+def state_box(model: Model) -> dict[str, Interval]:
+    """The box of the instance: with the model's own bank, or with any that its learner may commit."""
+    return committed_box(model) if model.learner else instance_box(model)
+
+
+def committed_gain(model: Model) -> Interval:
+    """Interval of sum v_l q_l2 / sum v_l, times its sign, in float32 over the range, for all banks that commit accepts.
+
+    Raises ModelError if the bound of the rounding errors exceeds the floor of the gain.
+    """
+    numbers = commit_numbers(model, coefficients(model), certify(model))
+    lost = ROUNDINGS * _most(bank_box(model), "gain", coefficients(model).strength)
+    if lost >= float(numbers.gain_floor):
+        raise ModelError(f"{model.name}: rounding of a gain ({lost:.2g}) hides commit's floor {numbers.gain_floor:.2g}")
+    return Interval(float(numbers.gain_floor) - lost, float(numbers.gain_ceiling) + lost)
+
+
+def committed_gain_annotation(model: Model) -> str:
+    """`committed_gain` as an assumption in ACSL, for the hook where the inverse divides by the gain."""
+    sign = float(commit_numbers(model, coefficients(model), certify(model)).sign)
+    gain, signed = committed_gain(model), "sums.gain" if sign > 0 else "-sums.gain"
+    low, high = (hexadecimal(end)[:-1] for end in (gain.low, gain.high))
+    return f"    //@ admit committed: {low} * sums.weight <= {signed} <= {high} * sums.weight;"
+
+
+def _most(banks: Mapping[str, Interval], group: str, strength: Floats32) -> float:
+    """Largest magnitude of a number of `group` divided by the strength of its rule, a bound of every convex sum."""
+    return max(banks[f"{group}[{i}]"].magnitude / float(w) for i, w in enumerate(strength))
+
+
+def _at(x: float | np.float32) -> Interval:
+    return Interval(float(x), float(x)).outwards()
+
+
+WILD: Final = tuple(member.name for member in LearnerWords.described() if member.any_bits)
+"""Words that may hold any bits: the covariance, and what is derived from it."""
+
+PARAMETERS: Final = tuple(member.name for member in LearnerWords.described() if member.parameter)
+"""Words that hold a parameter each, finite and within its limit."""
+
+REMAINDERS: Final = 1e12
+"""Larger than what commit may keep of a candidate between its calls, far from what overflows."""
+
+FIRING: Final = 16.0
+"""A rule's regressors stay below this many times their typical size, as an analysis by intervals sees them."""
+
+
+RATIO: Final = 32.0
+"""Of the ends of a piece that a level is looked at in: in one step it loses at most RATIO * FAST of its lower end."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A running level: it stays below `most`, and its box is a little wider, for what intervals cannot see.
+
+    least: of what it follows, where the level must not become negative, for it multiplies its own limit.
+    """
+
+    path: str
+    most: float
+    least: float = 0.0
+
+    @property
+    def box(self) -> Interval:
+        return Interval(0.5 * self.least if self.least else -self.most / 64.0, 1.02 * self.most).outwards()
+
+    @property
+    def borders(self) -> tuple[str, ...]:
+        """Between them the step towards the newest value goes one way, or is a small part of the level."""
+        count = math.ceil(math.log(self.most / self.least, RATIO)) if self.least else 0
+        sizes = [self.least * RATIO**piece for piece in range(count)]
+        ends = [f"self->{self.path} < {hexadecimal(size)}" for size in sizes or [0.0]]
+        return (*ends, f"self->{self.path} <= {hexadecimal(self.most)}")
+
+
+@dataclass(frozen=True)
+class LearnerBox:
+    """floats and integers by C path in `<name>_learner_t`: interval, and largest value. levels: those among them."""
+
+    floats: Mapping[str, Interval]
+    integers: Mapping[str, int]
+    levels: tuple[Level, ...]
+
+
+def learner_box(model: Model) -> LearnerBox:
+    """Every word of the learner that is not WILD, not of its candidate and not constant."""
+    numbers = learner_numbers(model, coefficients(model))
+    instance = committed_box(model)
+    limit = float(numbers.limit_um)
+    y = Interval(float(numbers.y_low_um), float(numbers.y_high_um)).hull(instance["y_um"])
+    u = Interval(model.u_min_V, model.u_max_V).outwards().hull(instance["u_V"])
+    # Largest |x_j| that learning writes, or putting back the prior: in whose turn, intervals cannot tell.
+    regressor = max(FIRING, 1.01 * float(numbers.refresh.max()))
+    error = 2.0 * (y.magnitude + numbers.size * regressor * limit) + instance["y_um"].magnitude
+    moved = 2.0 * y.magnitude + 1.0
+    levels = (
+        Level("scale_um", 1.01 * error + 1.0, float(numbers.floor_um)),
+        Level("moving_um", moved),
+        Level("error", 1.01 * error**2),
+        Level("reference_error", 1.01 * error**2),
+        Level("step_error", 1.01 * moved**2),
+    )
+    floats = {f"x[{j}]": symmetric(regressor).outwards() for j in range(numbers.size)}
+    floats |= {f"{name}[{j}]": symmetric(limit) for name in PARAMETERS for j in range(numbers.size)}
+    floats |= {
+        "inflate": Interval(1.0, float(max(numbers.inflate, numbers.inflate_first))),
+        "innovation_um": symmetric(error).outwards(),
+        "fixed_um": symmetric(instance["y_um"].magnitude),
+        "y_um": y,
+        "u_V": u,
+        "mean_u_V": u.outwards(2.0 * FAST * u.width),
+    }
+    floats |= {level.path: level.box for level in levels}
+    floats |= {path: box for path, box in instance.items() if path.startswith(("terms.", "inputs."))}
+    integers = {**parts_box(model).integers, "turn": numbers.size - 1}
+    integers |= {member.name: 1 for member in LearnerWords.described() if member.holds is Holds.FLAG}
+    return LearnerBox(floats, integers, levels)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from hysgen.checking.proof.eva.frama import Floats
-from hysgen.checking.proof.hooked import hook_names, replaced
+from hysgen.checking.proof.sources import hook_names, replaced
 from hysgen.model.model import Model
 
 _HOOK: Final = "guard: "

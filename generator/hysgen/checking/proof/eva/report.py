@@ -7,13 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from hysgen.checking.proof.eva.calls import functions, prove_call
-from hysgen.checking.proof.eva.commit import prove_commit
-from hysgen.checking.proof.eva.contracts import check_contract
-from hysgen.checking.proof.eva.frama import Floats, Verdict, version
+from hysgen.checking.proof.eva.calls import functions, prove_call, prove_commit, prove_learn, prove_update
+from hysgen.checking.proof.eva.frama import Floats, Verdict, check_contract, version
 from hysgen.checking.proof.eva.guards import guards, without
-from hysgen.checking.proof.eva.learn import prove_learn, prove_update
-from hysgen.codegen.interface import interface_of
+from hysgen.codegen.structs import interface_of
 from hysgen.display import table
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
