@@ -16,6 +16,7 @@ from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.formats import FileArrays
 from hysgen.record.further import kept, left_out
+from hysgen.record.overflow import mended
 from hysgen.record.relation import rate, relation, scale
 from hysgen.record.runs import at_gaps, runs_of_arrays, shifted
 from hysgen.record.sampling import JITTER, rounding_line, sampling_period
@@ -98,6 +99,10 @@ def _as_argument(option: re.Match[str]) -> str:
 def checked(source: str, content: Content, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Parts:
     """The parts of the record of a file's content, after the checks of time and values."""
     runs, columns, remarks, given_s = content.runs, content.columns, content.remarks, content.Ts_s
+    units = [multiply / divide for multiply, divide in (columns.scale("time"), columns.scale("displacement"))]
+    mends = [mended(run, *units) for run in runs]
+    runs = [run for run, _ in mends]
+    remarks = (*remarks, *(line for _, lines in mends for line in lines))
     for run in runs:
         check_finite(run)
     if split_at_gaps:
