@@ -100,7 +100,7 @@ def test_joining_different_periods_is_refused() -> None:
 
 
 def test_segment_refuses_channels_of_other_length() -> None:
-    with pytest.raises(RecordError, match="segment up: displacement has 8 samples, voltage has 9"):
+    with pytest.raises(RecordError, match="segment up: displacement_um has 8 samples, voltage_V has 9"):
         Segment("up", np.zeros(9), np.zeros(8))
-    with pytest.raises(RecordError, match="segment up: t has 3 samples, voltage has 9"):
+    with pytest.raises(RecordError, match="segment up: t has 3 samples, voltage_V has 9"):
         Segment("up", np.zeros(9), np.zeros(9), {"t": np.zeros(3)})

@@ -13,8 +13,8 @@ import pytest
 
 from hysgen.errors import RecordError
 from hysgen.record import Record
-from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end, swapped
+from hysgen.record.segment import Segment
 from hysgen_lab.stage import (
     BoucWen,
     DelayEffect,
@@ -93,7 +93,7 @@ def test_sensor_at_its_end_is_refused_wherever_it_clips(stage: str, drive: str, 
         Record.from_arrays(u_V, clipped, TS_S)
     accepted = Record.from_arrays(u_V, clipped, TS_S, accept=["saturation"])
     assert [line for line in accepted.warnings if "the sensor is at its end" in line]
-    runs = [Channels.of_arrays("a", u_V[:stop], clipped[:stop], {}) for stop in (clipped.size, 9)]
+    runs = [Segment("0", u_V[:stop], clipped[:stop], {}) for stop in (clipped.size, 9)]
     assert np.array_equal(at_end(runs)[0], clipped == (high if end == "highest" else low))
     with pytest.raises(RecordError, match="the sensor is at its end"):
         Record.from_arrays(u_V, -clipped, TS_S)
@@ -146,21 +146,21 @@ def test_a_play_without_noise_at_its_turning_points_is_no_saturated_sensor(
     y_um = np.roll(0.1 * play(50 * wave, 10.0), late)
     y_um = np.round(y_um / step_um) * step_um if step_um else y_um
     assert Record.from_arrays((50 * wave)[late:], y_um[late:], 1e-3).warnings == ()
-    assert not at_end([Channels.of_arrays("a", (50 * wave)[late:], y_um[late:], {})])[0].any()
+    assert not at_end([Segment("0", (50 * wave)[late:], y_um[late:], {})])[0].any()
 
 
 def test_slow_sensor_that_repeats_its_values_is_no_sensor_at_its_end() -> None:
     u_V, y_um = measured("laboratory", "non-harmonic")
     held = np.repeat(y_um[::10], 10)[: y_um.size]
     assert Record.from_arrays(u_V, held, TS_S).warnings == ()
-    assert not at_end([Channels.of_arrays("a", u_V, held, {})])[0].any()
+    assert not at_end([Segment("0", u_V, held, {})])[0].any()
 
 
 def ahead(phase_rad: float, cycles: int = 6, noise: float = 0.0) -> list[tuple[str, bool, str]]:
     """The finding of exchanged columns for a displacement that leads a sine by this phase."""
     turn = 2 * np.pi * np.arange(200 * cycles + 1) / 200
     u_V = np.sin(turn) + noise * np.random.default_rng(1).normal(size=turn.size)
-    return list(swapped([Channels.of_arrays("a", u_V, np.sin(turn + phase_rad), {})]))
+    return list(swapped([Segment("0", u_V, np.sin(turn + phase_rad), {})]))
 
 
 def test_exchanged_columns_enclose_a_hundredth_of_the_path_and_correlate() -> None:

@@ -19,7 +19,8 @@ import scipy.io
 
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
-from hysgen.record.sampling import Stamps, sampling_period
+from hysgen.record.sampling import sampling_period
+from hysgen.record.segment import Origin, Segment
 
 USUAL = Columns()
 HEADER = "time_s,voltage_V,displacement_um"
@@ -425,11 +426,15 @@ def test_an_address_is_no_file() -> None:
         load_record("https://example.org/log.csv")
 
 
+def stamped(time_s: np.ndarray) -> Segment:
+    return Segment("0", time_s, time_s, stamps_s=time_s, origin=Origin("a.csv", "t", locate=lambda row: f"row {row}"))
+
+
 @pytest.mark.parametrize(
     ("given_s", "fits"), [(0.989e-3, False), (0.991e-3, True), (1.009e-3, True), (1.011e-3, False)]
 )
 def test_a_period_that_is_given_agrees_with_the_stamps_within_one_percent(given_s: float, fits: bool) -> None:
-    stamps = [Stamps("a.csv", 1e-3 * np.arange(50.0), "t", lambda row: f"row {row}")]
+    stamps = [stamped(1e-3 * np.arange(50.0))]
     if fits:
         assert sampling_period(stamps, given_s=given_s) == given_s
         return
@@ -441,7 +446,7 @@ def test_a_period_that_is_given_agrees_with_the_stamps_within_one_percent(given_
 def test_stamps_are_even_within_a_twentieth_of_the_period(late: float, said: str) -> None:
     t = 1e-3 * np.arange(50.0)
     t[21:] += 1e-3 * late
-    stamps = [Stamps("a.csv", t, "t", lambda row: f"row {row}")]
+    stamps = [stamped(t)]
     if not said:
         assert sampling_period(stamps) == pytest.approx(1e-3, rel=2e-3)
         return

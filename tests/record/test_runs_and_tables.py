@@ -11,52 +11,54 @@ import numpy as np
 import pytest
 
 from hysgen.errors import RecordError
-from hysgen.record.channels import Channels
 from hysgen.record.columns import Columns
 from hysgen.record.csv_text import CsvTable, read_csv, write_csv
-from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays, runs_of_table
+from hysgen.record.runs import at_gaps, runs_of_arrays, runs_of_table, shifted
+from hysgen.record.segment import NO_STAMPS, Origin, Segment
 from hysgen.record.timetable import read_tables
 
 N = 12
 K = np.arange(float(N))
 
 
-def run(time_s: np.ndarray | None = K) -> RawRun:
-    return RawRun("0", time_s, Channels("f", K, 10.0 + K, {"x": K**2}, "u", "y", lambda row: f"line {row + 2}"))
+ORIGIN = Origin("f", "t", "u", "y", lambda row: f"line {row + 2}")
 
 
-def rows(made: RawRun) -> tuple[list[float], list[float], list[float]]:
-    assert made.time_s is not None
-    return made.time_s.tolist(), made.channels.u_V.tolist(), made.channels.y_um.tolist()
+def run(time_s: np.ndarray = K) -> Segment:
+    return Segment("0", K, 10.0 + K, {"x": K**2}, stamps_s=time_s, origin=ORIGIN)
+
+
+def rows(made: Segment) -> tuple[list[float], list[float], list[float]]:
+    return made.stamps_s.tolist(), made.u_V.tolist(), made.y_um.tolist()
 
 
 def test_a_cut_run_has_its_rows_and_says_those_of_the_file() -> None:
-    cut = run().cut("a", 3, 6)
+    cut = run().part(3, 6, "a")
     assert (cut.name, rows(cut)) == ("a", ([3.0, 4.0, 5.0], [3.0, 4.0, 5.0], [13.0, 14.0, 15.0]))
-    assert cut.channels.aux["x"].tolist() == [9.0, 16.0, 25.0]
-    assert cut.channels.locate(1) == "line 6"
-    assert cut.cut("b", 1, 3).channels.locate(0) == "line 6"
-    assert run(None).cut("a", 3, 6).time_s is None
+    assert cut.aux["x"].tolist() == [9.0, 16.0, 25.0]
+    assert cut.origin.locate(1) == "line 6"
+    assert cut.part(1, 3, "b").origin.locate(0) == "line 6"
+    assert run(NO_STAMPS).part(3, 6, "a").stamps_s.size == 0
 
 
 def test_a_shift_pairs_later_or_earlier_rows_until_none_is_left() -> None:
-    later, earlier = run().shifted(2), run().shifted(-3)
+    later, earlier = shifted(run(), 2), shifted(run(), -3)
     assert rows(later) == (K[2:].tolist(), K[2:].tolist(), (10 + K[:-2]).tolist())
     assert rows(earlier) == (K[:-3].tolist(), K[:-3].tolist(), (10 + K[3:]).tolist())
-    assert rows(run().shifted(0)) == rows(run())
-    assert rows(run().shifted(N - 1))[1] == [N - 1.0]
+    assert rows(shifted(run(), 0)) == rows(run())
+    assert rows(shifted(run(), N - 1))[1] == [N - 1.0]
     for far in (N, -N):
         with pytest.raises(RecordError, match=f"shift={far} leaves no row of {N}"):
-            run().shifted(far)
+            shifted(run(), far)
 
 
 def test_gaps_part_a_run_and_a_run_without_time_is_whole() -> None:
     gap = np.where(K < 5, K, K + 20.0)
     parts = list(at_gaps(run(gap)))
-    assert [(part.name, len(part.channels.u_V)) for part in parts] == [("0.0", 5), ("0.1", 7)]
+    assert [(part.name, len(part.u_V)) for part in parts] == [("0.0", 5), ("0.1", 7)]
     assert [part.name for part in at_gaps(run())] == ["0"]
-    assert [len(part.channels.u_V) for part in at_gaps(run(None))] == [N]
-    assert len(list(at_gaps(RawRun("0", K[:1], run().channels)))) == 1
+    assert [len(part.u_V) for part in at_gaps(run(NO_STAMPS))] == [N]
+    assert len(list(at_gaps(run().part(0, 1)))) == 1
 
 
 def table(columns: dict[str, np.ndarray], chosen: Columns, starts: tuple[int, ...] = ()) -> CsvTable:
@@ -71,7 +73,7 @@ def test_a_header_that_stands_again_parts_a_run_unless_the_time_goes_on() -> Non
     assert len(runs_of_table("f", table(columns, CHOSEN, (5,)))) == 1
     again = {**columns, "t": np.concatenate([K[:5], K[:7]])}
     parts = runs_of_table("f", table(again, CHOSEN, (5,)))
-    assert [(part.name, len(part.channels.u_V)) for part in parts] == [("0", 5), ("1", 7)]
+    assert [(part.name, len(part.u_V)) for part in parts] == [("0", 5), ("1", 7)]
     untimed = {"u": K, "y": K}
     period = Columns(time="", voltage="u", displacement="y", Ts_s=1.0)
     assert len(runs_of_table("f", table(untimed, period, (5,)))) == 2
@@ -81,8 +83,8 @@ def test_segment_numbers_part_a_run_and_come_back_to_no_earlier_one() -> None:
     numbers = np.repeat([1.0, 2.5, 7.0], 4)
     columns = {"t": K, "u": K, "y": K, "segment": numbers}
     parts = runs_of_table("f", table(columns, CHOSEN))
-    assert [(part.name, part.channels.u_V[0]) for part in parts] == [("1", 0.0), ("2.5", 4.0), ("7", 8.0)]
-    assert "segment" not in parts[0].channels.aux
+    assert [(part.name, part.u_V[0]) for part in parts] == [("1", 0.0), ("2.5", 4.0), ("7", 8.0)]
+    assert "segment" not in parts[0].aux
     with pytest.raises(RecordError, match="has no segment column 'part'"):
         runs_of_table("f", table(columns, Columns(time="t", voltage="u", displacement="y", segment="part")))
     columns["segment"] = np.repeat([1.0, 2.0, 1.0], 4)
@@ -109,8 +111,8 @@ def test_arrays_of_two_groups_are_two_runs_and_lengths_agree() -> None:
     groups: dict[str, Any] = {f"{g}/{name}": K + g for g in (1, 2) for name in ("t", "u", "y", "more")}
     groups["Ts"] = np.array([1.0])
     found = runs_of_arrays("f", groups, CHOSEN)
-    assert [(one.name, one.channels.u_V[0], one.channels.aux["more"][0]) for one in found] == [("1", 1, 1), ("2", 2, 2)]
-    with pytest.raises(RecordError, match="t has 11 samples, u has 12; give every channel one per sample"):
+    assert [(one.name, one.u_V[0], one.aux["more"][0]) for one in found] == [("1", 1, 1), ("2", 2, 2)]
+    with pytest.raises(RecordError, match="t has 11 samples, u has 12; give every channel one per"):
         runs_of_arrays("f", {"t": K[:-1], "u": K, "y": K}, CHOSEN)
     numbered = runs_of_arrays("f", {"t": K, "u": K, "y": K, "segment": np.repeat([4.0, 5.0], 6)}, CHOSEN)
     assert [one.name for one in numbered] == ["4", "5"]

@@ -29,7 +29,6 @@ from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
-from hysgen.record.channels import Channels
 from hysgen.record.plausibility import at_end
 from hysgen.record.series import first_covering
 
@@ -279,8 +278,7 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
         use[_rows_from(joined, np.add(covered, np.minimum(math.ceil(lags * lag), most)))] = reached
     use[_rows_of_remembrance(joined, cut, past)] = Use.UNKNOWN_PAST
     # A record may be accepted with its sensor at the end of its range; these samples are no displacement of the stage.
-    runs = [Channels.of_arrays(one.name, one.u_V, one.y_um, {}) for one in joined.segments]
-    use[np.concatenate(at_end(runs))] = Use.LOST
+    use[np.concatenate(at_end(joined.segments))] = Use.LOST
     return Prepared(joined, cut, use, lag)
 
 

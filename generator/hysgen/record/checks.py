@@ -8,8 +8,8 @@ from itertools import chain
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.channels import Channels
 from hysgen.record.plausibility import saturation, swapped
+from hysgen.record.segment import Segment
 
 ACCEPTABLE = ("constant", "saturation", "swapped")
 """Refusals that the caller may turn into warnings."""
@@ -18,7 +18,7 @@ SHORTEST = 3
 """Samples that a run needs: two steps are the least from which a sampling period and its variation follow."""
 
 
-def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tuple[str, ...]:
+def check_values(runs: Sequence[Segment], accept: Collection[str] = ()) -> tuple[str, ...]:
     """Refuse values that no model can be fitted to; return warnings about suspicious values.
 
     runs: of one file, in order. Refused, in this order: different lengths, NaN or infinity, fewer than 3 samples in a
@@ -41,34 +41,31 @@ def check_values(runs: Sequence[Channels], accept: Collection[str] = ()) -> tupl
     return tuple(warnings)
 
 
-def check_finite(run: Channels) -> None:
+def check_finite(run: Segment) -> None:
     """Refuse channels of different length, with NaN or infinity (naming the first row), or of fewer than 3 samples."""
-    for name, values in chain([(run.u_name, run.u_V), (run.y_name, run.y_um)], run.aux.items()):
-        if values.size != run.u_V.size:
-            raise RecordError(
-                f"{run.source}: {name} has {values.size} samples, {run.u_name} has {run.u_V.size}; "
-                "give every channel one value per sample, or leave the channel out"
-            )
+    for name, values in chain([(run.origin.voltage, run.u_V), (run.origin.displacement, run.y_um)], run.aux.items()):
         finite = np.isfinite(values)
         if not finite.all():
             row = int(np.argmin(finite))
             raise RecordError(
-                f"{run.source}: {run.locate(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
+                f"{run.origin.at(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
                 "interpolate them, or cut the record there into segments"
             )
     if run.u_V.size < SHORTEST:
-        where = f"{run.locate(0)}: " if run.u_V.size else ""
-        raise RecordError(
-            f"{run.source}: {where}holds a run of {run.u_V.size} samples; record at least {SHORTEST} without a break"
-        )
+        where = run.origin.at(0) if run.samples else run.origin.source
+        raise RecordError(f"{where}: holds a run of {run.samples} samples; record at least {SHORTEST} without a break")
 
 
-def constant(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+def constant(runs: Sequence[Segment]) -> Iterator[tuple[str, bool, str]]:
     """("constant", True, message) for an input or output that is constant over all runs."""
-    first = runs[0]
+    first = runs[0].origin
     for name, channels, cure in (
-        (first.u_name, [run.u_V for run in runs], "drive the stage with a signal that moves"),
-        (first.y_name, [run.y_um for run in runs], "check that the sensor is connected and the right column is named"),
+        (first.voltage, [run.u_V for run in runs], "drive the stage with a signal that moves"),
+        (
+            first.displacement,
+            [run.y_um for run in runs],
+            "check that the sensor is connected and the right column is named",
+        ),
     ):
         if min(values.min() for values in channels) == max(values.max() for values in channels):
             samples = sum(values.size for values in channels)

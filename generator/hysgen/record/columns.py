@@ -161,10 +161,12 @@ class Columns:
 
     def in_base_unit(self, role: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """`values` of `role` in s, V or um."""
-        multiply, divide = conversion(role, self.unit(role)) or (1.0, 1.0)
-        if multiply == divide:
-            return values
-        return values * multiply / divide
+        multiply, divide = self.scale(role)
+        return values if multiply == divide else values * multiply / divide
+
+    def scale(self, role: str) -> tuple[float, float]:
+        """(multiply by, divide by) from the unit of `role` in the file to s, V or um."""
+        return conversion(role, self.unit(role)) or (1.0, 1.0)
 
     def aux_pairs(self) -> tuple[tuple[str, str], ...] | None:
         """(name in the record, name in the file) of the requested further channels; None if `aux` is None."""

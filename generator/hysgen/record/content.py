@@ -16,9 +16,10 @@ from hysgen.record.checks import check_finite, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.formats import FileArrays
 from hysgen.record.further import kept, left_out
+from hysgen.record.overflow import mended
 from hysgen.record.relation import rate, relation, scale
-from hysgen.record.runs import RawRun, at_gaps, runs_of_arrays
-from hysgen.record.sampling import JITTER, Stamps, rounding_line, sampling_period
+from hysgen.record.runs import at_gaps, runs_of_arrays, shifted
+from hysgen.record.sampling import JITTER, rounding_line, sampling_period
 from hysgen.record.segment import Segment
 
 DEFAULT = Columns()
@@ -31,7 +32,7 @@ Parts = tuple[list[Segment], float, str, tuple[str, ...]]
 class Content:
     """The runs of a file; columns as given or as guessed; remarks; the sampling period from the file or the user."""
 
-    runs: list[RawRun]
+    runs: list[Segment]
     columns: Columns
     remarks: tuple[str, ...]
     Ts_s: float | None
@@ -98,43 +99,41 @@ def _as_argument(option: re.Match[str]) -> str:
 def checked(source: str, content: Content, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Parts:
     """The parts of the record of a file's content, after the checks of time and values."""
     runs, columns, remarks, given_s = content.runs, content.columns, content.remarks, content.Ts_s
-    # Before the check of the time: channels of unequal length would be cut at the wrong rows.
+    units = [multiply / divide for multiply, divide in (columns.scale("time"), columns.scale("displacement"))]
+    mends = [mended(run, *units) for run in runs]
+    runs = [run for run, _ in mends]
+    remarks = (*remarks, *(line for _, lines in mends for line in lines))
     for run in runs:
-        check_finite(run.channels)
+        check_finite(run)
     if split_at_gaps:
         runs = [part for run in runs for part in at_gaps(run)]
     if columns.shift:
-        runs = [run.shifted(columns.shift) for run in runs]
+        runs = [shifted(run, columns.shift) for run in runs]
     runs, dropped = _with_channels(runs, source, columns)
-    warnings = check_values([run.channels for run in runs], accept)
-    stamps = [Stamps(source, run.time_s, columns.time, run.channels.locate) for run in runs if run.time_s is not None]
+    warnings = check_values(runs, accept)
+    stamps = [run for run in runs if run.stamps_s.size]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
     if stamps and (line := rounding_line(stamps)) is not None:
         remarks = (*remarks, line)
     if Ts_s is None:
         raise RecordError(f"{source}: has no time and no sampling period; give --columns Ts_s=SECONDS")
-    channels = [run.channels for run in runs]
     doubts = list(rate(source, Ts_s))
     if not any("exchanged" in line for line in warnings):
-        doubts += relation(channels, Ts_s)
+        doubts += relation(runs, Ts_s)
     if columns.displacement_unit is None and columns.unit("displacement") == "um":
-        doubts += scale(channels)
-    segments = []
-    for run in runs:
-        start_s = float(run.time_s[0]) if run.time_s is not None else 0.0
-        segments.append(Segment(run.name, run.channels.u_V, run.channels.y_um, run.channels.aux, start_s))
+        doubts += scale(runs)
+    segments = [Segment(run.name, run.u_V, run.y_um, run.aux, float(run.stamps_s[:1].sum())) for run in runs]
     named = (f"{source}: {line.removeprefix(f'{source}: ')}" for line in (*columns.remarks(), *remarks))
     return segments, Ts_s, source, (*named, *dropped, *warnings, *doubts)
 
 
-def _with_channels(runs: list[RawRun], source: str, columns: Columns) -> tuple[list[RawRun], tuple[str, ...]]:
+def _with_channels(runs: list[Segment], source: str, columns: Columns) -> tuple[list[Segment], tuple[str, ...]]:
     """The runs with the further columns that are channels, and a line for the others; all if the user names them."""
-    without = left_out([run.channels for run in runs]) if columns.aux is None else {}
+    without = left_out(runs) if columns.aux is None else {}
     if not without:
         return runs, ()
     lines = tuple(
         f"{source}: column {name} is left out, for {reason}; --columns aux={name} keeps it"
         for name, reason in without.items()
     )
-    trimmed = [replace(run, channels=replace(run.channels, aux=kept(run.channels.aux, without))) for run in runs]
-    return trimmed, lines
+    return [replace(run, aux=kept(run.aux, without)) for run in runs], lines

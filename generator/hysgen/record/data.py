@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
-from hysgen.record.channels import Channels
 from hysgen.record.checks import check_values
 from hysgen.record.columns import Columns
 from hysgen.record.content import parts_of_frame
 from hysgen.record.relation import rate, relation, scale
-from hysgen.record.segment import Segment, digest_of, with_common_channels
+from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
 
 LONGEST_PERIOD_S = 100.0
 """A longer sampling period is taken for a rate in Hz and refused."""
@@ -91,17 +90,17 @@ class Record(Displayed):
             Ts_s = 1.0 / fs_Hz if fs_Hz else math.nan
         if not (math.isfinite(Ts_s) and Ts_s > 0.0):
             raise RecordError(f"{source}: sampling period Ts_s = {Ts_s:g} s; give a positive number of seconds")
-        channels = Channels.of_arrays(source, u_V, y_um, aux or {})
+        named = {"voltage_V": u_V, "displacement_um": y_um, **(aux or {})}
+        arrays = {name: series_of(source, name, values) for name, values in named.items()}
+        run = Segment("0", arrays.pop("voltage_V"), arrays.pop("displacement_um"), arrays, origin=Origin(source))
         if Ts_s >= LONGEST_PERIOD_S:
             raise RecordError(
                 f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
             )
-        warnings = check_values([channels], accept)
+        warnings = check_values([run], accept)
         swapped = any("exchanged" in line for line in warnings)
-        related = () if swapped else relation([channels], Ts_s)
-        warnings = (*warnings, *related, *scale([channels]), *rate(source, Ts_s))
-        segment = Segment("0", channels.u_V, channels.y_um, channels.aux)
-        return cls.from_segments([segment], Ts_s, source, warnings)
+        related = () if swapped else relation([run], Ts_s)
+        return cls.from_segments([run], Ts_s, source, (*warnings, *related, *scale([run]), *rate(source, Ts_s)))
 
     @classmethod
     def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from hysgen.record.channels import Channels
-from hysgen.record.relation import MOST, Pair, correlations
+from hysgen.record.relation import MOST, correlations
+from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ EQUAL_STEPS = 1e-6
 """Largest deviation of a step of a clock from the mean step, relative to the mean step."""
 
 
-def left_out(runs: Sequence[Channels]) -> dict[str, str]:
+def left_out(runs: Sequence[Segment]) -> dict[str, str]:
     """The further columns to leave out, by name, with the reason. runs: of one file; all have the same columns."""
     reasons = {}
     for name in runs[0].aux:
@@ -66,7 +66,7 @@ def kept(aux: Mapping[str, Floats], without: Mapping[str, str]) -> dict[str, Flo
     return {name: values for name, values in aux.items() if name not in without}
 
 
-def _reason(columns: Sequence[Floats], runs: Sequence[Channels]) -> str | None:
+def _reason(columns: Sequence[Floats], runs: Sequence[Segment]) -> str | None:
     if min(values.size for values in columns) < FEWEST_ROWS:
         return None
     if all(np.ptp(values) == 0.0 for values in columns) and len({float(values[0]) for values in columns}) == 1:
@@ -89,9 +89,9 @@ def _counts(values: Floats) -> bool:
     return usual != 0.0 and mean != 0.0 and float(np.mean(even)) > 0.95 and bool((steps[even] * usual > 0.0).all())
 
 
-def _late_copy(values: Floats, run: Channels) -> str | None:
+def _late_copy(values: Floats, run: Segment) -> str | None:
     """What to say of a column that is a displacement before it, None if it is none."""
-    found = correlations(Pair(run.y_um, values))
+    found = correlations(run.y_um, values)
     if found is None:
         return None
     later = found[0] > 0
@@ -116,7 +116,7 @@ def _filtered(values: Floats) -> list[Floats]:
     return filtered
 
 
-def _explained(values: Floats, run: Channels) -> float:
+def _explained(values: Floats, run: Segment) -> float:
     """r^2 of a column; 0 for a constant one."""
     reach = max(SHIFTS)
     rows = np.arange(reach, values.size - reach)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.record.channels import Channels
+from hysgen.record.segment import Segment
 from hysgen.record.series import plateaus, white_noise
 
 Series = NDArray[np.float64]
@@ -26,7 +26,7 @@ CYCLE = 64
 """Points per cycle of the input for the area of the loop; averaging down to them reduces the noise."""
 
 
-def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+def saturation(runs: Sequence[Segment]) -> Iterator[tuple[str, bool, str]]:
     """("saturation", certain, message) for a displacement that stays at exactly its extreme value.
 
     Certain (a saturated sensor) if y is constant for 8 samples and three times longer than at any other value, and
@@ -43,13 +43,13 @@ def saturation(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
         if (flat.certain or flat.likely) and (known is None or flat.certain > known.certain):
             best[flat.name] = flat
     for flat in best.values():
-        where = f"{flat.run.source}: {flat.run.locate(flat.start)}: {flat.run.y_name}"
+        where = f"{flat.run.origin.at(flat.start)}: {flat.run.origin.displacement}"
         stays = f"{where} stays at its {flat.name} value {flat.end_um:.6g} for {flat.stop - flat.start} samples"
         end_of = "the sensor is at its end" if flat.certain else "the sensor or the amplifier may be at its end"
         yield "saturation", flat.certain, f"{stays}: {end_of}; drive less, or widen its range"
 
 
-def at_end(runs: Sequence[Channels]) -> list[NDArray[np.bool_]]:
+def at_end(runs: Sequence[Segment]) -> list[NDArray[np.bool_]]:
     """Flags of each run, (n_i,): samples at exactly an extreme value that `saturation` finds certain."""
     ends_um = {flat.end_um for flat in _flats(runs) if flat.certain}
     return [np.isin(run.y_um, list(ends_um)) for run in runs]
@@ -61,14 +61,14 @@ class _Flat:
 
     name: str
     end_um: float
-    run: Channels
+    run: Segment
     start: int
     stop: int
     certain: bool
     likely: bool
 
 
-def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
+def _flats(runs: Sequence[Segment]) -> Iterator[_Flat]:
     """Every flat end of FLAT samples or more, those at the highest value first."""
     values = np.concatenate([run.y_um for run in runs])
     ends = (("highest", float(values.max())), ("lowest", float(values.min())))
@@ -91,7 +91,7 @@ def _flats(runs: Sequence[Channels]) -> Iterator[_Flat]:
                 yield _Flat(name, end, run, start, stop, certain, likely)
 
 
-def _runs_into(run: Channels, start: int, stop: int, quantum: float) -> bool:
+def _runs_into(run: Segment, start: int, stop: int, quantum: float) -> bool:
     """Whether y stopped within one sample at `start` after a steady approach, while u moved on in one direction."""
     y, u = run.y_um, run.u_V
     reach = FLAT
@@ -112,7 +112,7 @@ def _goes_on(towards: Series, start: int, stop: int, movement_V: float) -> bool:
     return bool(beyond.max() > movement_V and np.count_nonzero(beyond > beyond.max() / 2.0) >= 3)
 
 
-def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
+def swapped(runs: Sequence[Segment]) -> Iterator[tuple[str, bool, str]]:
     """("swapped", certain, message) for a displacement that leads the voltage.
 
         w = -sum y du / (std(y) sum |du|) > 0  for every passive stage: y lags u, the loop dissipates energy
@@ -123,7 +123,7 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     A voltage logged too late gives the same loops. The finding is therefore certain only if the voltage also has the
     noise of a sensor, and the displacement has none.
     """
-    first = runs[0]
+    first = runs[0].origin
     correlation = _correlation(runs)
     loops = [_loops(run.u_V, run.y_um) for run in runs]
     areas = np.concatenate([area for area, _ in loops])
@@ -137,7 +137,7 @@ def swapped(runs: Sequence[Channels]) -> Iterator[tuple[str, bool, str]]:
     yield (
         "swapped",
         u_noise > max(5.0 * y_noise, 1e-6),
-        f"{first.source}: {first.y_name} runs ahead of {first.u_name} in {areas.size} cycles; "
+        f"{first.source}: {first.displacement} runs ahead of {first.voltage} in {areas.size} cycles; "
         "the two columns seem to be exchanged (or the voltage was logged late): swap their names",
     )
 
@@ -175,7 +175,7 @@ def _longest_repeat(y: Series, highest: float, lowest: float) -> int:
     return int(np.diff(bounds)[inner].max(initial=1))
 
 
-def _correlation(runs: Sequence[Channels]) -> float:
+def _correlation(runs: Sequence[Segment]) -> float:
     """Correlation of voltage and displacement, each run about its own mean; 0 if one of them is constant."""
     uu = yy = uy = 0.0
     for run in runs:

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from hysgen.record.channels import Channels
 from hysgen.record.same_row import same_row
+from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
 
@@ -50,24 +49,6 @@ SLOWEST_HZ, FASTEST_HZ = 100.0, 20e6
 """Sampling rates outside of which the unit of the time is in doubt."""
 
 
-class Run(Protocol):
-    """Voltage and displacement of consecutive samples, (n,) each."""
-
-    @property
-    def u_V(self) -> Floats: ...
-
-    @property
-    def y_um(self) -> Floats: ...
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Two series, (n,) each, as what drives and what follows."""
-
-    u_V: Floats
-    y_um: Floats
-
-
 @dataclass(frozen=True)
 class Lag:
     """correlation: c at the peak, at the lag `samples`, which is positive if y follows u. at_zero: c(0)."""
@@ -87,10 +68,10 @@ class Lag:
         return "behind" if self.samples > 0 else "ahead of"
 
 
-def correlations(run: Run) -> tuple[NDArray[np.int64], Floats] | None:
+def correlations(u_V: Floats, y_um: Floats) -> tuple[NDArray[np.int64], Floats] | None:
     """The lags L of up to a quarter of the run, and c(L); None for short or constant series."""
-    n = min(run.u_V.size, MOST)
-    u, y = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
+    n = min(u_V.size, MOST)
+    u, y = (values[:n] - values[:n].mean() for values in (u_V, y_um))
     scale = float(np.sqrt((u @ u) * (y @ y)))
     if n < FEWEST or scale == 0.0:
         return None
@@ -100,9 +81,9 @@ def correlations(run: Run) -> tuple[NDArray[np.int64], Floats] | None:
     return lags, cross[lags]
 
 
-def lag_of(run: Run) -> Lag | None:
+def lag_of(run: Segment) -> Lag | None:
     """The lag of the peak of |c| nearest to 0 among the high ones; None for short or constant channels."""
-    found = correlations(run)
+    found = correlations(run.u_V, run.y_um)
     if found is None:
         return None
     lags, c = found
@@ -116,13 +97,13 @@ def lag_of(run: Run) -> Lag | None:
     return Lag(int(lags[chosen]), float(c[chosen]), float(c[lags == 0][0]))
 
 
-def misaligned(runs: Sequence[Run]) -> Lag | None:
+def misaligned(runs: Sequence[Segment]) -> Lag | None:
     """The lag of the longest run if it is so large that the two logs may not be aligned, else None."""
     lag = lag_of(max(runs, key=lambda one: one.u_V.size))
     return lag if lag is not None and lag.misaligned else None
 
 
-def coherent_share(run: Channels) -> float:
+def coherent_share(run: Segment) -> float:
     """Share of the variance of y that a linear response to u explains, 0 to 1.
 
         sum_f C(f) S_yy(f) / sum_f S_yy(f),   C = |S_uy|^2 / (S_uu S_yy),   less its bias 1/K for K windows
@@ -146,7 +127,7 @@ def coherent_share(run: Channels) -> float:
     return max(share - bias, 0.0) / (1.0 - bias)
 
 
-def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
+def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     """A line for a displacement that does not follow the voltage, falls as it rises, or follows at another time.
 
     Judged on the longest run, and on the steps of all (`same_row`). Ts_s: sampling period in s, None if not known yet.
@@ -156,41 +137,41 @@ def relation(runs: Sequence[Channels], Ts_s: float | None) -> Iterator[str]:
     lag = lag_of(run)
     if lag is None:
         return
-    names = f"{run.source}: {run.y_name}"
+    names, drive = f"{run.origin.source}: {run.origin.displacement}", run.origin.voltage
     if abs(lag.correlation) < UNRELATED:
         share = coherent_share(run)
         if share < UNEXPLAINED:
             yield (
-                f"{names} does not follow {run.u_name}: largest correlation {lag.correlation:.2f}, a linear response "
+                f"{names} does not follow {drive}: largest correlation {lag.correlation:.2f}, a linear response "
                 f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"
             )
         return
     if lag.correlation < 0.0:
         yield (
-            f"{names} falls as {run.u_name} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
+            f"{names} falls as {drive} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
             "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
         )
     elif lag.misaligned:
         time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
         yield (
-            f"{names} runs {abs(lag.samples)} samples{time} {lag.way} {run.u_name}, lag and hysteresis of the stage "
+            f"{names} runs {abs(lag.samples)} samples{time} {lag.way} {drive}, lag and hysteresis of the stage "
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
             f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
         )
 
 
-def scale(runs: Sequence[Channels]) -> Iterator[str]:
+def scale(runs: Sequence[Segment]) -> Iterator[str]:
     """A line for a stroke that no piezo stage has: the unit of the displacement is in doubt."""
-    run = runs[0]
+    name = f"{runs[0].origin.source}: {runs[0].origin.displacement}"
     stroke_um = max(float(one.y_um.max()) for one in runs) - min(float(one.y_um.min()) for one in runs)
     if stroke_um > LONGEST_STROKE_UM:
         yield (
-            f"{run.source}: {run.y_name} spans {stroke_um:.4g} um, more than a piezo stage moves; if it is in nm, give "
+            f"{name} spans {stroke_um:.4g} um, more than a piezo stage moves; if it is in nm, give "
             "--columns displacement_unit=nm"
         )
     elif 0.0 < stroke_um < SHORTEST_STROKE_UM:
         yield (
-            f"{run.source}: {run.y_name} spans {stroke_um:.3g} um, less than the noise of a sensor; if it is in mm "
+            f"{name} spans {stroke_um:.3g} um, less than the noise of a sensor; if it is in mm "
             "or m, give --columns displacement_unit=mm"
         )
 

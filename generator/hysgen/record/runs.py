@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
@@ -12,48 +12,26 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.arrays import Array, find, key_of
-from hysgen.record.channels import Channels, index_of, one_series
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.csv_text import CsvTable
 from hysgen.record.names import to_paste
 from hysgen.record.sampling import GAP, gap_rows
+from hysgen.record.segment import NO_STAMPS, Origin, Segment, index_of, series_of
 
 
-@dataclass(frozen=True, eq=False)
-class RawRun:
-    """One unbroken run of a file, in s, V and um. time_s is None if the file has no time."""
+def shifted(run: Segment, rows: int) -> Segment:
+    """The run with the displacement taken `rows` later than it was written, earlier if negative.
 
-    name: str
-    time_s: NDArray[np.float64] | None
-    channels: Channels
-
-    def cut(self, name: str, start: int, stop: int) -> RawRun:
-        """Rows start..stop-1; messages still give the rows of the file."""
-        c = self.channels
-        channels = replace(
-            c,
-            u_V=c.u_V[start:stop],
-            y_um=c.y_um[start:stop],
-            aux={key: values[start:stop] for key, values in c.aux.items()},
-            locate=lambda row: c.locate(start + row),
-        )
-        return RawRun(name, None if self.time_s is None else self.time_s[start:stop], channels)
-
-    def shifted(self, rows: int) -> RawRun:
-        """The run with the displacement taken `rows` later than it was written, earlier if negative.
-
-        Raises RecordError if no row is left.
-        """
-        known = len(self.channels.u_V)
-        count = known - abs(rows)
-        if count <= 0:
-            raise RecordError(f"{self.channels.source}: shift={rows} leaves no row of {known}; give fewer rows")
-        cut = self.cut(self.name, max(rows, 0), max(rows, 0) + count)
-        y_um = self.channels.y_um[max(-rows, 0) :][:count]
-        return replace(cut, channels=replace(cut.channels, y_um=y_um))
+    Raises RecordError if no row is left.
+    """
+    count = run.samples - abs(rows)
+    if count <= 0:
+        raise RecordError(f"{run.origin.source}: shift={rows} leaves no row of {run.samples}; give fewer rows")
+    start = max(rows, 0)
+    return replace(run.part(start, start + count), y_um=run.y_um[max(-rows, 0) :][:count])
 
 
-def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
+def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
     """The runs of a CSV file. Raises RecordError for a missing column, with the names that exist."""
     there, columns = table.columns, table.chosen
 
@@ -75,7 +53,7 @@ def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
             )
         return there[name]
 
-    time = None
+    time = NO_STAMPS
     if columns.time and (columns.time in there or columns.Ts_s is None):
         time = columns.in_base_unit("time", column("time", columns.time))
     u_V = columns.in_base_unit("voltage", column("voltage", columns.voltage))
@@ -85,7 +63,8 @@ def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
         used = {columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time}
         pairs = tuple((name, name) for name in there if name not in used)
     aux = {label: column("aux", name) for label, name in pairs}
-    whole = RawRun("0", time, Channels(source, u_V, y_um, aux, columns.voltage, columns.displacement, table.locate))
+    origin = Origin(source, columns.time, columns.voltage, columns.displacement, table.locate)
+    whole = Segment("0", u_V, y_um, aux, stamps_s=time, origin=origin)
     if columns.segment not in there:
         if columns.segment != Columns.segment:
             column("segment", columns.segment)
@@ -93,20 +72,20 @@ def runs_of_table(source: str, table: CsvTable) -> list[RawRun]:
     return list(_at_numbers(whole, there[columns.segment], columns.segment))
 
 
-def _at_headers(run: RawRun, starts: Sequence[int]) -> Iterator[RawRun]:
+def _at_headers(run: Segment, starts: Sequence[int]) -> Iterator[Segment]:
     """The parts of the run between repeated headers; where the time goes on by one step, the part does."""
-    bounds = [0, len(run.channels.u_V)]
+    bounds = [0, run.samples]
     for row in starts:
-        steps = np.array([0.0, 1.0]) if run.time_s is None else np.diff(run.time_s[max(row - 2, 0) : row + 2])
-        if not (steps.min() > 0.0 and steps.max() < GAP * steps.min()):
+        steps = np.diff(run.stamps_s[max(row - 2, 0) : row + 2])
+        if not (steps.size and steps.min() > 0.0 and steps.max() < GAP * steps.min()):
             bounds.insert(-1, row)
     for number, (start, stop) in enumerate(pairwise(bounds)):
-        yield run if len(bounds) == 2 else run.cut(str(number), start, stop)
+        yield run if len(bounds) == 2 else run.part(start, stop, str(number))
 
 
 def runs_of_arrays(
     source: str, arrays: Mapping[str, Array], columns: Columns, Ts_s: float | None = None
-) -> list[RawRun]:
+) -> list[Segment]:
     """The runs of arrays. Ts_s: sampling period, if the file or the user gives it; then no time is needed.
 
     Groups that hold the same names are segments, if the names are given without a group.
@@ -137,23 +116,27 @@ def runs_of_arrays(
         )
     runs = []
     for number, (label, values) in enumerate(u):
-        channels = Channels(
+        origin = Origin(
             source,
-            columns.in_base_unit("voltage", one_series(source, columns.voltage, values)),
-            columns.in_base_unit("displacement", one_series(source, columns.displacement, y[number][1])),
-            {name: one_series(source, name, series[number]) for name, series in aux.items()},
+            columns.time,
             columns.voltage,
             columns.displacement,
             index_of if len(u) == 1 else partial(_index_in_segment, label),
         )
-        stamps = None
+        stamps = NO_STAMPS
         if time is not None:
-            stamps = columns.in_base_unit("time", one_series(source, columns.time, time[number]))
-            _same_length(source, columns.time, stamps, columns.voltage, channels.u_V)
-        runs.append(RawRun(label, stamps, channels))
+            stamps = columns.in_base_unit("time", series_of(source, columns.time, time[number]))
+        u_V = columns.in_base_unit("voltage", series_of(source, columns.voltage, values))
+        y_um = columns.in_base_unit("displacement", series_of(source, columns.displacement, y[number][1]))
+        further = {name: series_of(source, name, series[number]) for name, series in aux.items()}
+        runs.append(Segment(label, u_V, y_um, further, stamps_s=stamps, origin=origin))
     if len(runs) == 1 and (key := key_of(arrays, columns.segment)) is not None:
-        numbers = one_series(source, columns.segment, np.squeeze(arrays[key]))
-        _same_length(source, columns.segment, numbers, columns.voltage, runs[0].channels.u_V)
+        numbers = series_of(source, columns.segment, np.squeeze(arrays[key]))
+        if numbers.size != runs[0].samples:
+            raise RecordError(
+                f"{source}: {columns.segment} has {numbers.size} samples, {columns.voltage} has {runs[0].samples}; "
+                "number every sample"
+            )
         return list(_at_numbers(runs[0], numbers, columns.segment))
     return runs
 
@@ -173,33 +156,33 @@ def _inside(arrays: Mapping[str, Array], group: str) -> dict[str, Array]:
     return {key: array for key, array in arrays.items() if "/" not in key and array.size == 1} | inside
 
 
-def at_gaps(run: RawRun) -> Iterator[RawRun]:
+def at_gaps(run: Segment) -> Iterator[Segment]:
     """The parts of the run between gaps in time."""
-    if run.time_s is None or run.time_s.size < 2:
+    if run.stamps_s.size < 2:
         yield run
         return
-    bounds = [0, *gap_rows(run.time_s).tolist(), run.time_s.size]
+    bounds = [0, *gap_rows(run.stamps_s).tolist(), run.samples]
     for number, (start, stop) in enumerate(pairwise(bounds)):
-        yield run.cut(run.name if len(bounds) == 2 else f"{run.name}.{number}", start, stop)
+        yield run.part(start, stop, run.name if len(bounds) == 2 else f"{run.name}.{number}")
 
 
-def _at_numbers(run: RawRun, numbers: NDArray[np.float64], column: str) -> Iterator[RawRun]:
+def _at_numbers(run: Segment, numbers: NDArray[np.float64], column: str) -> Iterator[Segment]:
     """The parts of the run with one segment number each. Raises RecordError if a number occurs in two parts."""
-    c = run.channels
+    source, locate = run.origin.source, run.origin.locate
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers)))
-        raise RecordError(f"{c.source}: {c.locate(row)}: {column} is {numbers[row]}; number every row")
+        raise RecordError(f"{source}: {locate(row)}: {column} is {numbers[row]}; number every row")
     bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
     seen = set()
     for start, stop in pairwise(bounds):
         name = f"{numbers[start]:.9g}"
         if name in seen:
             raise RecordError(
-                f"{c.source}: {c.locate(start)}: {column} {name} comes back after another; "
+                f"{source}: {locate(start)}: {column} {name} comes back after another; "
                 "give each unbroken run its own number"
             )
         seen.add(name)
-        yield run.cut(name, start, stop)
+        yield run.part(start, stop, name)
 
 
 def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[str, str], ...]:
@@ -230,10 +213,3 @@ def _as_many(source: str, name: str, series: Sequence[tuple[str, Array]], count:
     if len(series) not in (1, count):
         raise RecordError(f"{source}: '{name}' selects {len(series)} series, the voltage {count}; select as many")
     return [series[number % len(series)][1] for number in range(count)]
-
-
-def _same_length(source: str, name: str, values: Array, other: str, others: Array) -> None:
-    if values.size != others.size:
-        raise RecordError(
-            f"{source}: {name} has {values.size} samples, {other} has {others.size}; give every channel one per sample"
-        )

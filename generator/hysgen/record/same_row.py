@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.record.channels import Channels
+from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ LEAST_SHARE, CLEARLY = 0.01, 5.0
 """Least share of the answer in the step's own row, that of a lag of 100 samples, and its standard errors."""
 
 
-def same_row(runs: Sequence[Channels]) -> Iterator[str]:
+def same_row(runs: Sequence[Segment]) -> Iterator[str]:
     """A line for a displacement that answers a step of the voltage in the row of the step."""
     steps, moves, gains = [], [], []
     for run in runs:
@@ -43,15 +43,15 @@ def same_row(runs: Sequence[Channels]) -> Iterator[str]:
     share = float(d @ du) / power
     error = float(np.sqrt(np.sum(((d - share * du) * du) ** 2))) / power
     if share / gain > LEAST_SHARE and abs(share) > CLEARLY * error:
-        run = runs[0]
+        file = runs[0].origin
         yield (
-            f"{run.source}: {run.y_name} answers {len(du)} steps of {run.u_name} in their own rows (with "
+            f"{file.source}: {file.displacement} answers {len(du)} steps of {file.voltage} in their own rows (with "
             f"{100.0 * share / gain:.0f} % of the answer), but a voltage acts from the next row on: if it is "
             "written a row early, --columns shift=1"
         )
 
 
-def _steps(run: Channels) -> tuple[Floats, Floats]:
+def _steps(run: Segment) -> tuple[Floats, Floats]:
     """(m,) steps du(k) of a run and the moves d(k) of the displacement in their rows."""
     du = np.diff(run.u_V)
     size = np.abs(du)
@@ -61,7 +61,7 @@ def _steps(run: Channels) -> tuple[Floats, Floats]:
     return du[at], y[at + 1] - 2.0 * y[at] + y[at - 1]
 
 
-def _gain(run: Channels) -> float:
+def _gain(run: Segment) -> float:
     """Slope of the straight line through displacement over voltage, um/V; 0 for a constant voltage."""
     u = run.u_V - run.u_V.mean()
     power = float(u @ u)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.segment import Segment
 
 JITTER = 0.05
 """Largest deviation of one step from the period, relative to the period.
@@ -19,20 +19,13 @@ in whole microseconds, which is valid, has steps that are 3 % off.
 GAP = 1.5
 """A step longer than this many periods is a gap: samples are missing."""
 FEWEST_ROUNDED = 20
-"""Stamps of a run that show whether they are rounded."""
+"""Segment of a run that show whether they are rounded."""
+
+REPEATED = 0.2
+"""Share of stamps that repeat the one before them, from which on they are rounded to more than a period."""
 
 AGREEMENT = 0.01
 """Largest relative difference between the period given by the user and the period of the time stamps."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stamps:
-    """Time stamps of one unbroken run. time_s: (n,) in s. name: the column. locate: row to "line 12"."""
-
-    source: str
-    time_s: NDArray[np.float64]
-    name: str
-    locate: Callable[[int], str]
 
 
 def gap_rows(time_s: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -41,7 +34,7 @@ def gap_rows(time_s: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.flatnonzero(steps > GAP * np.median(steps)) + 1
 
 
-def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: float | None = None) -> float:
+def sampling_period(runs: Sequence[Segment], jitter: float = JITTER, given_s: float | None = None) -> float:
     """The sampling period in s of all runs.
 
     Each step is compared with the median step. The result is the mean step, whose rounding error falls with the number
@@ -51,107 +44,105 @@ def sampling_period(runs: Sequence[Stamps], jitter: float = JITTER, given_s: flo
     Raises RecordError with file, row and cure for stamps that are not finite or do not rise, for a gap, for a step more
     than `jitter` periods off, and for a period `given_s` that differs by more than 1 %.
     """
-    rounded = [_rounded(run) for run in runs]
-    if all(period is not None for period in rounded):
+    lengths = np.array([run.samples - 1 for run in runs])
+    rounded = [one for run in runs if (one := _rounded(run)) is not None]
+    if len(rounded) == len(runs):
         # The logger wrote the time with few digits: the samples are even, the stamps are not.
-        return _same_period(runs, [period for period in rounded if period is not None], given_s)
+        mean, error, _ = (float(value) for value in np.average(rounded, axis=0, weights=lengths))
+        return given_s or _simplest(mean, error)
     for run in runs:
         _check_rising(run)
-    median = float(np.median(np.concatenate([np.diff(run.time_s) for run in runs])))
+    median = float(np.median(np.concatenate([np.diff(run.stamps_s) for run in runs])))
     for run in runs:
         _check_even(run, median, jitter)
-    steps = sum(run.time_s.size - 1 for run in runs)
-    mean = sum(float(run.time_s[-1] - run.time_s[0]) for run in runs) / steps
+    mean = sum(float(run.stamps_s[-1] - run.stamps_s[0]) for run in runs) / int(lengths.sum())
     if given_s is not None:
+        file = runs[0].origin
         if abs(given_s - mean) > AGREEMENT * mean:
             raise RecordError(
-                f"{runs[0].source}: Ts_s = {given_s:g} s was given, but {runs[0].name} rises by {mean:.6g} s per row; "
+                f"{file.source}: Ts_s = {given_s:g} s was given, but {file.time} rises by {mean:.6g} s per row; "
                 "correct one of them, give --columns time_unit=..., or read without it: --columns time=,Ts_s=..."
             )
         return given_s
-    return _simplest(mean, 2.0 * len(runs) * max(_rounding(run, mean) for run in runs) / steps)
+    return _simplest(mean, 2.0 * len(runs) * max(_rounding(run, mean) for run in runs) / int(lengths.sum()))
 
 
-def rounding_line(runs: Sequence[Stamps]) -> str | None:
+def rounding_line(runs: Sequence[Segment]) -> str | None:
     """A line for time stamps that the logger rounded; None for others."""
     if any(_rounded(run) is None for run in runs):
         return None
-    quantum = _quantum(runs[0].time_s)
+    _, _, quantum = _rounded(runs[0]) or (0.0, 0.0, 0.0)
     return (
-        f"{runs[0].source}: {runs[0].name} is rounded to {quantum:g} s; the samples are taken to be even "
-        "(if they are not, give --columns Ts_s=SECONDS)"
+        f"{runs[0].origin.source}: {runs[0].origin.time} is rounded to {quantum:.3g} s; the samples are taken to be "
+        "even (if they are not, give --columns Ts_s=SECONDS)"
     )
 
 
-def _same_period(runs: Sequence[Stamps], periods: Sequence[float], given_s: float | None) -> float:
-    steps = sum(run.time_s.size - 1 for run in runs)
-    mean = sum(period * (run.time_s.size - 1) for run, period in zip(runs, periods, strict=True)) / steps
-    if given_s is not None:
-        return given_s
-    uncertainty = 2.0 * _quantum(runs[0].time_s) / max(run.time_s.size - 1 for run in runs)
-    return _simplest(mean, uncertainty)
+def _rounded(run: Segment) -> tuple[float, float, float] | None:
+    """Period, its error, and quantum q, all in s, of stamps that lie on a uniform grid within q and are not even.
 
+        |t(k) - a - k Ts| <= q,   a and Ts by least squares,   q a usual step that is not zero
 
-def _quantum(time_s: NDArray[np.float64]) -> float:
-    """The smallest positive step, as a decimal with one or two digits."""
-    steps = np.diff(time_s)
-    positive = steps[steps > 0.0]
-    return float(f"{positive.min():.2g}") if positive.size else 0.0
-
-
-def _rounded(run: Stamps) -> float | None:
-    """The period in s of stamps that lie on a uniform grid within their last digit and are not even; else None.
-
-    Rounded stamps repeat, or their steps differ by multiples of the quantum q, and |t(k) - t(0) - k Ts| <= q for all k.
+    Rounded stamps repeat, or their steps are whole multiples of the smallest. None for other stamps.
     """
-    if run.time_s.size < FEWEST_ROUNDED or not np.isfinite(run.time_s).all():
+    if run.samples < FEWEST_ROUNDED or not np.isfinite(run.stamps_s).all():
         return None
-    steps = np.diff(run.time_s)
+    time_s = run.stamps_s - run.stamps_s[0]
+    steps = np.diff(time_s)
     if steps.min() < 0.0 or steps.max() <= 0.0:
         return None
-    quantum = _quantum(run.time_s)
-    period = float(run.time_s[-1] - run.time_s[0]) / steps.size
-    repeats = float(np.mean(steps == 0.0))
-    uneven = float(np.max(np.abs(steps - period))) > JITTER * period
-    whole = np.abs(steps / quantum - np.rint(steps / quantum)).max() < 0.01 if quantum else False
-    between = (period / quantum) % 1.0 if quantum else 0.0
+    row = np.arange(run.samples) - 0.5 * (run.samples - 1)
+    period = float(row @ time_s) / float(row @ row)
+    positive = steps[steps > 0.0]
+    quantum = smallest = float(positive.min())
+    if positive.size < (1.0 - REPEATED) * steps.size:
+        # Stamps of six digits or of float32 are written more coarsely from a power of ten or of two on.
+        quantum = float(np.quantile(positive, 0.9))
+    elif np.abs(steps / smallest - np.rint(steps / smallest)).max() > 0.01:
+        return None
     # One row twice, or one row lost, in stamps of enough digits: a fault of the file, and no rounding.
-    if min(between, 1.0 - between) < 0.02:
+    between = (period / quantum) % 1.0
+    if period > 0.5 * quantum and min(between, 1.0 - between) < 0.02:
         return None
-    if not (repeats > 0.0 or uneven) or not whole or steps.max() > np.ceil(period / quantum + 1e-9) * quantum * 1.01:
+    if not float(np.max(np.abs(steps - period))) > JITTER * period:
         return None
-    grid = run.time_s[0] + period * np.arange(run.time_s.size)
-    return period if float(np.max(np.abs(run.time_s - grid))) <= 1.5 * quantum else None
+    if steps.max() > 1.01 * quantum * max(2.0, np.ceil(period / quantum + 1e-9)):
+        return None
+    off = time_s - time_s.mean() - period * row
+    error = 3.0 * quantum / (steps.size * positive.size**0.5)
+    return (period, error, quantum) if float(np.max(np.abs(off))) <= 1.01 * quantum else None
 
 
-def _check_rising(run: Stamps) -> None:
-    finite = np.isfinite(run.time_s)
+def _check_rising(run: Segment) -> None:
+    finite = np.isfinite(run.stamps_s)
     if not finite.all():
         row = int(np.argmin(finite))
-        raise RecordError(f"{run.source}: {run.locate(row)}: {run.name} is {run.time_s[row]}; write its time")
-    steps = np.diff(run.time_s)
+        where = f"{run.origin.at(row)}: {run.origin.time}"
+        raise RecordError(f"{where} is {run.stamps_s[row]}; write its time")
+    steps = np.diff(run.stamps_s)
     if (steps > 0.0).all():
         return
     row = int(np.argmax(steps <= 0.0)) + 1
-    now, before = run.time_s[row], run.time_s[row - 1]
+    now, before = run.stamps_s[row], run.stamps_s[row - 1]
+    where = f"{run.origin.at(row)}: {run.origin.time}"
     if now == before:
         raise RecordError(
-            f"{run.source}: {run.locate(row)}: {run.name} repeats {now:.9g} s; delete one of the two rows, "
-            "or, if the logger rounds, read without the column: --columns time=,Ts_s=SECONDS"
+            f"{where} repeats {now:.9g} s, one of {np.count_nonzero(steps == 0.0)} such rows; delete one of the two "
+            f"rows, or, if the logger rounds, read without the column: --columns time=,Ts_s={np.mean(steps):.4g}"
         )
     raise RecordError(
-        f"{run.source}: {run.locate(row)}: {run.name} falls from {before:.9g} to {now:.9g} s; sort the rows, "
-        "or number the runs in a segment column"
+        f"{where} falls from {before:.9g} to {now:.9g} s; sort the rows, or number the runs in a segment column"
     )
 
 
-def _check_even(run: Stamps, period: float, jitter: float) -> None:
-    steps = np.diff(run.time_s)
+def _check_even(run: Segment, period: float, jitter: float) -> None:
+    steps = np.diff(run.stamps_s)
+    name = run.origin.time
     gaps = np.flatnonzero(steps > GAP * period)
     if gaps.size:
         step = int(gaps[0])
         raise RecordError(
-            f"{run.source}: {run.locate(step + 1)}: {run.name} jumps from {run.time_s[step]:.9g} s by "
+            f"{run.origin.at(step + 1)}: {name} jumps from {run.stamps_s[step]:.9g} s by "
             f"{steps[step]:.6g} s where the period is {period:.6g} s ({gaps.size} such gaps); "
             "number the runs in a segment column, or give --split-at-gaps"
         )
@@ -159,17 +150,17 @@ def _check_even(run: Stamps, period: float, jitter: float) -> None:
     step = int(np.argmax(off))
     if off[step] > jitter:
         raise RecordError(
-            f"{run.source}: {run.locate(step + 1)}: {run.name} steps by {steps[step]:.6g} s where the period is "
+            f"{run.origin.at(step + 1)}: {name} steps by {steps[step]:.6g} s where the period is "
             f"{period:.6g} s: {100 * off[step]:.1f} % off, the worst of {np.count_nonzero(off > jitter)} "
             f"above {100 * jitter:g} %; sample evenly, write the time with more digits, or give "
             f"--jitter {np.ceil(100.0 * off[step]) / 100.0:g}"
         )
 
 
-def _rounding(run: Stamps, period: float) -> float:
+def _rounding(run: Segment, period: float) -> float:
     """Largest distance in s of a stamp from the uniform grid through the run's first stamp."""
-    grid = run.time_s[0] + period * np.arange(run.time_s.size)
-    return float(max(np.max(np.abs(run.time_s - grid)), np.spacing(np.max(np.abs(run.time_s)))))
+    grid = run.stamps_s[0] + period * np.arange(run.stamps_s.size)
+    return float(max(np.max(np.abs(run.stamps_s - grid)), np.spacing(np.max(np.abs(run.stamps_s)))))
 
 
 def _simplest(period: float, uncertainty: float) -> float:

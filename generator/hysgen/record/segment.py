@@ -3,14 +3,38 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysgen.errors import RecordError
+
+
+def index_of(row: int) -> str:
+    """The position of a row of an array in an error message."""
+    return f"index {row}"
+
+
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """Where a segment was read: the file, the names of its columns, and a row as messages name it ("line 12")."""
+
+    source: str = ""
+    time: str = "time_s"
+    voltage: str = "voltage_V"
+    displacement: str = "displacement_um"
+    locate: Callable[[int], str] = index_of
+
+    def at(self, row: int) -> str:
+        """File and row, with which a message begins."""
+        return f"{self.source}: {self.locate(row)}"
+
+
+NO_STAMPS: NDArray[np.float64] = np.zeros(0)
+NO_STAMPS.setflags(write=False)
+ARRAYS = Origin()
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +47,8 @@ class Segment:
     start_s: time stamp of the first sample in s.
     past: the samples right before the first, of a segment that was cut; a simulation runs through them, and nothing
         is fitted to them or scored on them. None if nothing is known of the time before the first sample.
+    stamps_s, origin: time stamps as the file has them, (n,) or (0,), and the names for messages, both only while a
+        file is read; a record has its period instead.
 
     Raises RecordError if a channel is not one-dimensional or the lengths differ.
     """
@@ -33,6 +59,8 @@ class Segment:
     aux: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     start_s: float = 0.0
     past: Segment | None = None
+    stamps_s: NDArray[np.float64] = field(default_factory=lambda: NO_STAMPS)
+    origin: Origin = ARRAYS
 
     def __post_init__(self) -> None:
         u_V = _channel(self.u_V, "voltage", self.name)
@@ -41,11 +69,12 @@ class Segment:
         # Sorted, because HDF5 files do not store the order of the channels.
         aux = {key: _channel(self.aux[key], key, self.name) for key in sorted(self.aux)}
         object.__setattr__(self, "aux", aux)
-        for key, values in chain([("displacement", self.y_um)], self.aux.items()):
-            if values.size != u_V.size:
+        object.__setattr__(self, "stamps_s", _channel(self.stamps_s, self.origin.time, self.name))
+        for key, values in ((self.origin.time, self.stamps_s), (self.origin.displacement, self.y_um), *aux.items()):
+            if (values.size != u_V.size and values is not self.stamps_s) or values.size not in (0, u_V.size):
                 raise RecordError(
-                    f"segment {self.name}: {key} has {values.size} samples, voltage has {u_V.size}; "
-                    "give every channel one value per sample"
+                    f"{self.origin.source or f'segment {self.name}'}: {key} has {values.size} samples, "
+                    f"{self.origin.voltage} has {u_V.size}; give every channel one per sample, or leave the channel out"
                 )
 
     @property
@@ -73,16 +102,20 @@ class Segment:
 
     def rows(self, start: int, stop: int, Ts_s: float) -> Segment:
         """Samples start..stop-1 as a segment of its own, whose past are the samples before; views, not copies."""
-        past = self.past
-        if start > 0:
-            past = self.rows(0, start, Ts_s)
-        return Segment(
-            name=self.name,
+        past = self.rows(0, start, Ts_s) if start > 0 else self.past
+        return replace(self.part(start, stop), start_s=self.start_s + start * Ts_s, past=past, origin=self.origin)
+
+    def part(self, start: int, stop: int, name: str = "") -> Segment:
+        """Samples start..stop-1 without a past; views, not copies. Messages still name the rows of the file."""
+        return replace(
+            self,
+            name=name or self.name,
             u_V=self.u_V[start:stop],
             y_um=self.y_um[start:stop],
             aux={key: values[start:stop] for key, values in self.aux.items()},
-            start_s=self.start_s + start * Ts_s,
-            past=past,
+            past=None,
+            stamps_s=self.stamps_s[start:stop],
+            origin=replace(self.origin, locate=lambda row: self.origin.locate(start + row)) if start else self.origin,
         )
 
 
@@ -114,6 +147,18 @@ def digest_of(segments: Sequence[Segment], Ts_s: float) -> str:
             # Adding 0.0 turns -0.0 into 0.0: text formats may lose the sign.
             state.update((values + 0.0).astype("<f8").tobytes())
     return state.hexdigest()
+
+
+def series_of(source: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """`values` as float64 of shape (n,). Raises RecordError if they are not real numbers in one dimension."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub":
+        raise RecordError(f"{source}: {name} holds {array.dtype}, not real numbers; give float values")
+    if array.ndim == 2 and 1 in array.shape and array.size > 1:
+        array = array.ravel()  # a column of MATLAB or of a DataFrame
+    if array.ndim != 1:
+        raise RecordError(f"{source}: {name} has shape {array.shape}; give a one-dimensional array")
+    return array.astype(np.float64)
 
 
 def _channel(values: ArrayLike, field_name: str, segment: str) -> NDArray[np.float64]:
