@@ -37,7 +37,7 @@ def test_the_state_stays_in_its_box_and_has_no_denormal_number(block: Hysteresis
     for column, path in zip(states.T, paths, strict=True):
         assert box.floats[path].low <= column.min() <= column.max() <= box.floats[path].high
     assert box.through.low <= h.min() <= h.max() <= box.through.high
-    # The steps of plays that relax are multiples of 2^-61 (`twofloat`).
+    # The steps of plays that relax are multiples of 2^-61 (`float32_arithmetic`).
     least = 2.0**-63 if block.relaxes else LEAST / 2
     assert (np.abs(states[states != 0.0]) >= least).all()
 

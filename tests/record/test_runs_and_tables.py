@@ -112,7 +112,7 @@ def test_arrays_of_two_groups_are_two_runs_and_lengths_agree() -> None:
     groups["Ts"] = np.array([1.0])
     found = runs_of_arrays("f", groups, CHOSEN)
     assert [(one.name, one.u_V[0], one.aux["more"][0]) for one in found] == [("1", 1, 1), ("2", 2, 2)]
-    with pytest.raises(RecordError, match="t has 11 samples, u has 12; give every channel one per"):
+    with pytest.raises(RecordError, match="t has 11 samples, u has 12; give every channel one per sample"):
         runs_of_arrays("f", {"t": K[:-1], "u": K, "y": K}, CHOSEN)
     numbered = runs_of_arrays("f", {"t": K, "u": K, "y": K, "segment": np.repeat([4.0, 5.0], 6)}, CHOSEN)
     assert [one.name for one in numbered] == ["4", "5"]

@@ -3,6 +3,7 @@
 Operations are counted exactly in the C text (`codegen.operations`). Cycles of the C674x are measured ones if the caller
 passes them, else estimates, and labelled as such. Nanoseconds are those of this machine, not of the DSP.
 
+A budget file keeps the cost of some models under version control:
 {"compiler": ..., "models": {model: {function: {"cycles": .., "code_bytes": .., "stack_bytes": ..},
 "data": {"struct_bytes": .., "constant_bytes": ..}}}}. A figure exceeds the budget if it
 grows by more than TOLERANCE. A figure that shrinks by more than TOLERANCE is reported as well, so that the budget can

@@ -15,7 +15,6 @@ from hysgen.codegen.parameters import Constant, Section, bits, literal
 from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.files import data_folder, version
-from hysgen.model import float32_arithmetic
 from hysgen.model import float32_arithmetic as arithmetic
 from hysgen.model.disturbances import Term, channels_of, part_facts
 from hysgen.model.disturbances.base import Mirror
@@ -251,9 +250,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "terms": terms,
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
-        "two_words": float32_arithmetic.FACTS
-        if any(part.two_words for part in (*model.terms, *model.blocks))
-        else None,
+        "two_words": arithmetic.FACTS if any(part.two_words for part in (*model.terms, *model.blocks)) else None,
         "accumulates": any(term.two_words for term in model.terms),
         "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
         "channels": channels_of(model.terms),

@@ -40,7 +40,7 @@ class NamedCause:
     with the cause. All three are None for corrupted samples, which are no part of the probe's chain.
     share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.
     extended: whether its extension is in the model; one that does not lower the held-out error for certain is not.
-    beside: held-out gain of the extension beside all others, where its step left it in doubt (`pruning`), else None.
+    beside: held-out gain of the extension beside all others, where its step left it in doubt (`ladder`), else None.
     """
 
     name: str

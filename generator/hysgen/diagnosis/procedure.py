@@ -67,7 +67,7 @@ class DiagnoseSettings:
     identify: share of a single record that is used for identification.
     resume: keep the fits of the search, which takes most of the time, until the diagnosis is done, so that an
     interrupted one goes on there.
-    keep_all: keep extensions that do not lower the error on the held-out rows for certain (`pruning`).
+    keep_all: keep extensions that do not lower the error on the held-out rows for certain (`ladder`).
     price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
     """
 

@@ -7,6 +7,8 @@ rows is appended to the factor and the stack is triangularised again. Memory doe
 the condition number of the regressors, not its square. Source: Bierman, Factorization Methods for Discrete Sequential
 Estimation (1977), chapter IV.
 
+Two quadratic penalties may be added to the free-run error, where a record leaves a choice:
+
     V(q) = mean over y and over both ends w of the range of  sum_l p_l (v_l - f)^2
 
     v_l = q_l1 y + q_l2 w + q_l3,    f = sum_l p_l v_l

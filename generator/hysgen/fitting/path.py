@@ -111,7 +111,7 @@ def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
 class PathColumns:
     """The linear problem of a path over a record, whatever rows count: columns behind the lag `lag_s`, (p, m).
 
-    rows: (m,) rows of the joined segments; of a long record, those of its windows (`windows`).
+    rows: (m,) rows of the joined segments; of a long record, those of its windows (`least_squares.windows`).
     """
 
     task: PathTask

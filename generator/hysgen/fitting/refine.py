@@ -1,20 +1,17 @@
 """Refinement of the free-run error: its gradient and Hessian, and Gauss-Newton steps inside the certified set.
 
-    min over x of  J(x) = sum_k t(k) (yhat(k; x) - y(k))^2,   yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),  yhat(0) = y(0)
+    min over x of  J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + sum_i kappa_i ||R_i x - d_i||^2
+
+    yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0);   x: the linear parameters
 
 A step d minimises g'd + d'H d/2 + mu d'D d/2 with H = sum t S S', g = sum t S e from exact sensitivities S (Levenberg
 and Marquardt: D = diag H, mu grows until J falls), subject to the half-spaces of `certified`. A step is accepted if it
 lowers J and keeps every certificate that held. J also contains penalties, so the free-run error may rise between steps,
 by at most a tenth of its value at the start. If it ends above the start, the refinement is repeated with no rise
 allowed: the result is never worse than the start.
-x: the linear parameters.
-
-    J(x) = sum_k t(k) (yhat(k; x) - y(k))^2 + sum_i kappa_i ||R_i x - d_i||^2
-
-    yhat(k+1) = f(yhat(k), u(k); x) + w(k; x),   yhat(0) = y(0)
 
 The quadratic penalties hold linear parameters that the scored part of a free run does not determine, see
-`regularisation`. The derivatives of the added w(k) = theta . phi(k) by the weights are the columns phi(k).
+`least_squares`. The derivatives of the added w(k) = theta . phi(k) by the weights are the columns phi(k).
 """
 
 from __future__ import annotations
@@ -84,8 +81,8 @@ class FreeRunError:
     def sums(self, model: Model) -> FreeRunSums:
         """Sums over the free run of all segments, without the penalties.
 
-        Of a long record, windows are run (`windows`), each from the displacement measured at its start; the terms run
-        through the whole record.
+        Of a long record, windows are run (`least_squares.windows`), each from the displacement measured at its start;
+        the terms run through the whole record.
         """
         rules = Rules(structure_of(model).range_um, model.consequents)
         columns = self.columns.get(model.terms, lambda: [term_regressors(model.terms, drive) for drive in self.drives])

@@ -11,7 +11,8 @@ strength of rule n + j is
 The tables are padded by 5 phantom rules of weight 0 at either end. The rules outside the window have less than 3e-7 of
 the sum of all firing strengths.
 
-With p_l' = dp_l/dy and so on, and v_l = q_l1 y + q_l2 u + q_l3, at a check point y_g
+`_commit` bounds the gain b and the slope s of a shadow. With p_l' = dp_l/dy and so on, and v_l = q_l1 y + q_l2 u +
+q_l3, at a check point y_g
 
     b = sum p_l q_l2,                 b' = sum p_l' q_l2
     s = sum p_l q_l1 + sum p_l' v_l,  s' = 2 sum p_l' q_l1 + sum p_l'' v_l        s = df/dy, affine in u

@@ -61,7 +61,7 @@ class ModelPart(abc.ABC):
 
     kind: ClassVar[str]
     two_words: ClassVar[bool] = False
-    """Whether its states are sums of two words (module `twofloat`)."""
+    """Whether its states are sums of two words (`float32_arithmetic`)."""
 
     quantities: ClassVar[Mapping[str, Quantity]] = {}
     """Meaning and unit of every array of `constants`, by its name."""

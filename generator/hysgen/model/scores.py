@@ -8,7 +8,7 @@ records start at 0, where both are equal. The errors are shown with the one-step
 and with the noise floor: at high sampling rates the one-step error alone is small for any model.
 
 Not scored are sample 0 of a segment, which is an input of the model, and the rows in which the unknown input before the
-record matters (`unknown_past`).
+record matters (below).
 
 A hysteresis keeps the extremes of the input before the record until later extremes wipe them out. Two runs of the block
 bound its state: one after the lowest input of its range, one after the highest,

@@ -168,17 +168,16 @@ def at_gaps(run: Segment) -> Iterator[Segment]:
 
 def _at_numbers(run: Segment, numbers: NDArray[np.float64], column: str) -> Iterator[Segment]:
     """The parts of the run with one segment number each. Raises RecordError if a number occurs in two parts."""
-    source, locate = run.origin.source, run.origin.locate
     if not np.isfinite(numbers).all():
         row = int(np.argmin(np.isfinite(numbers)))
-        raise RecordError(f"{source}: {locate(row)}: {column} is {numbers[row]}; number every row")
+        raise RecordError(f"{run.origin.at(row)}: {column} is {numbers[row]}; number every row")
     bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
     seen = set()
     for start, stop in pairwise(bounds):
         name = f"{numbers[start]:.9g}"
         if name in seen:
             raise RecordError(
-                f"{source}: {locate(start)}: {column} {name} comes back after another; "
+                f"{run.origin.at(start)}: {column} {name} comes back after another; "
                 "give each unbroken run its own number"
             )
         seen.add(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +20,21 @@ in whole microseconds, which is valid, has steps that are 3 % off.
 GAP = 1.5
 """A step longer than this many periods is a gap: samples are missing."""
 FEWEST_ROUNDED = 20
-"""Segment of a run that show whether they are rounded."""
+"""Stamps of a run that show whether they are rounded."""
 
 REPEATED = 0.2
 """Share of stamps that repeat the one before them, from which on they are rounded to more than a period."""
 
 AGREEMENT = 0.01
 """Largest relative difference between the period given by the user and the period of the time stamps."""
+
+
+class Rounded(NamedTuple):
+    """Stamps that a logger rounded: period of the samples, its error, and quantum of the stamps, all in s."""
+
+    period_s: float
+    error_s: float
+    quantum_s: float
 
 
 def gap_rows(time_s: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -69,17 +78,18 @@ def sampling_period(runs: Sequence[Segment], jitter: float = JITTER, given_s: fl
 
 def rounding_line(runs: Sequence[Segment]) -> str | None:
     """A line for time stamps that the logger rounded; None for others."""
-    if any(_rounded(run) is None for run in runs):
+    first, *others = (_rounded(run) for run in runs)
+    if first is None or None in others:
         return None
-    _, _, quantum = _rounded(runs[0]) or (0.0, 0.0, 0.0)
+    file = runs[0].origin
     return (
-        f"{runs[0].origin.source}: {runs[0].origin.time} is rounded to {quantum:.3g} s; the samples are taken to be "
-        "even (if they are not, give --columns Ts_s=SECONDS)"
+        f"{file.source}: {file.time} is rounded to {first.quantum_s:.3g} s; the samples are taken to be even "
+        "(if they are not, give --columns Ts_s=SECONDS)"
     )
 
 
-def _rounded(run: Segment) -> tuple[float, float, float] | None:
-    """Period, its error, and quantum q, all in s, of stamps that lie on a uniform grid within q and are not even.
+def _rounded(run: Segment) -> Rounded | None:
+    """Period, its error, and quantum q of stamps that lie on a uniform grid within q and are not even.
 
         |t(k) - a - k Ts| <= q,   a and Ts by least squares,   q a usual step that is not zero
 
@@ -110,7 +120,7 @@ def _rounded(run: Segment) -> tuple[float, float, float] | None:
         return None
     off = time_s - time_s.mean() - period * row
     error = 3.0 * quantum / (steps.size * positive.size**0.5)
-    return (period, error, quantum) if float(np.max(np.abs(off))) <= 1.01 * quantum else None
+    return Rounded(period, error, quantum) if float(np.max(np.abs(off))) <= 1.01 * quantum else None
 
 
 def _check_rising(run: Segment) -> None:

@@ -70,8 +70,9 @@ class Segment:
         aux = {key: _channel(self.aux[key], key, self.name) for key in sorted(self.aux)}
         object.__setattr__(self, "aux", aux)
         object.__setattr__(self, "stamps_s", _channel(self.stamps_s, self.origin.time, self.name))
-        for key, values in ((self.origin.time, self.stamps_s), (self.origin.displacement, self.y_um), *aux.items()):
-            if (values.size != u_V.size and values is not self.stamps_s) or values.size not in (0, u_V.size):
+        stamps = ((self.origin.time, self.stamps_s),) if self.stamps_s.size else ()
+        for key, values in (*stamps, (self.origin.displacement, self.y_um), *aux.items()):
+            if values.size != u_V.size:
                 raise RecordError(
                     f"{self.origin.source or f'segment {self.name}'}: {key} has {values.size} samples, "
                     f"{self.origin.voltage} has {u_V.size}; give every channel one per sample, or leave the channel out"

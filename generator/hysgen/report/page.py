@@ -32,7 +32,7 @@ from hysgen.report.plots.style import Picture, data_uri
 from hysgen.uncertainty.simulated import Characterisation
 
 GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
-"""Labels of figures that the section "Glossary" explains (`sections.TERMS`)."""
+"""Labels of figures that the section "Glossary" explains (`TERMS`)."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ The plant is the weaker stage of `inputs`. The model's inverse computes the volt
 parameter error makes updated shadows better than the active bank, so commits succeed. Every word of the learner is
 compared after every sample; every word of both structs, and the answer, after every call of commit; then the
 predictions of the active bank. Each sample of the first side is also compared with one step of the NumPy reference
-from the same state (`induction`).
+from the same state (`functions`).
 """
 
 from __future__ import annotations

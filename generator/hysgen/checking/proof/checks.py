@@ -1,9 +1,9 @@
 """The checks of generated C by name: warnings, MISRA rules, sanitizers, proofs by Frama-C (docs/proof.md).
 
-The C is compiled with gcc's sanitizers, which stop the program at the first fault. It runs the self-test and the
-samples of `hysgen verify`: random, smooth, edge values and arbitrary bit patterns, with NaN, infinities and denormal
-numbers among them; its bits are compared as well. A run shows that no fault occurred; `proof.eva` proves that none can
-occur.
+`sanitize`: the C is compiled with gcc's sanitizers, which stop the program at the first fault. It runs the self-test
+and the samples of `hysgen verify`: random, smooth, edge values and arbitrary bit patterns, with NaN, infinities and
+denormal numbers among them; its bits are compared as well. A run shows that no fault occurred; `proof.eva` proves that
+none can occur.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Equality of bits on other instruction sets of both byte orders, and the effect of fused multiply-adds on them.
 
 The method is that of `hysgen verify`, equality of whole runs by induction against the float32 reference. The builds are
-the host's and those of the platforms in `platforms`.
+the host's and those of the platforms of `emulated_program`.
 
 A fused multiply-add rounds once where the C rounds twice. Compilers may form it by default; a guard in the generated C
 forbids it to the compilers that accept this in the source. Every platform is compiled with fusing enabled: with the

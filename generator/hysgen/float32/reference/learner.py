@@ -2,8 +2,8 @@
 
     theta <- theta + P x (y - x' theta)/alpha,   P <- (P - P x x' P/alpha)/lambda,   alpha = 1 + x' P x
 
-Eq. (10) with the division P/lambda before the update instead of after it, in the factors P = U D U' (`factorised`),
-with the outlier gate, limits and restarts of docs/learning.md.
+Eq. (10) with the division P/lambda before the update instead of after it, in the factors P = U D U', U unit upper
+triangular, D > 0, with the outlier gate, limits and restarts of docs/learning.md. Source: Bierman (1977), chapter V.
 
     f = U' x,  g = D f,  alpha_j = alpha_(j-1) + f_j g_j,  alpha_(-1) = 1,  D_j <- D_j alpha_(j-1)/alpha_j
     U_ij <- U_ij - k_i f_j/alpha_(j-1),   k_i <- k_i + U_ij g_j   over i < j with the old U_ij, k_j = g_j;   P x = k

@@ -71,7 +71,7 @@ class Drift(Term):
         return int(min(drive.u_V.size, np.ceil(np.log(100.0) * self.tau_s / drive.Ts_s)))
 
     def box(self, Ts_s: float) -> TermBox:
-        """|bias_um| <= limit [um], |bias_low_um| < LIMIT of `twofloat` [um]; phi is bias_um."""
+        """|bias_um| <= limit [um], |bias_low_um| < LIMIT of `float32_arithmetic` [um]; phi is bias_um."""
         limit = float(self.constants(Ts_s)["limit"][0])
         return TermBox({"bias_um": symmetric(limit), "bias_low_um": KEPT}, (limit,))
 

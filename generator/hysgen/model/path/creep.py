@@ -4,8 +4,8 @@
     s_i(k+1) = s_i(k) + a_i (x(k) - s_i(k)),   a_i = 1 - exp(-Ts / tau_i)        exact for an input held over a sample
 
 x is the output of the hysteresis. Creep of piezo ceramics is logarithmic in time: time constants evenly spaced on a
-logarithmic axis, with one amount for all. In float32 a state is a sum of two words (module `twofloat`), because a_i may
-be smaller than the last bit of s_i.
+logarithmic axis, with one amount for all. In float32 a state is a sum of two words (`float32_arithmetic`), because a_i
+may be smaller than the last bit of s_i.
 Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43.
 """
 
@@ -84,7 +84,7 @@ class Creep(InputBlock):
         return self.zero(Ts_s) < 1.0
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
-        """|high_i|, |low_i| < LIMIT of `twofloat`, in the unit of x, and with them
+        """|high_i|, |low_i| < LIMIT of `float32_arithmetic`, in the unit of x, and with them
 
             |y - x|, |x - y| <= m |amount| LIMIT        of `apply` and of `solve`, times 1.01 for the roundings
 

@@ -286,9 +286,9 @@ class Hysteresis(InputBlock):
 
             |h - c_0| <= sum_m |c_m| + sum_j sum_m |c_jm| (1 - r_j)^m + sum_i (|b_i| + |c_i|)
 
-        times 1.001 for rounding errors. Plays that relax lie in [-1, 1] after a sample and in [-2, 2] while x - r and
-        x + r bound them, which intervals do not relate to x; their lower words are those of `twofloat`. `solve` finds
-        voltages within the input range.
+        times 1.001 for rounding errors. Plays that relax lie in [-1, 1] after a sample and in [-2, 2] while x - r and x
+        + r bound them, which intervals do not relate to x; their lower words are those of sums in two words. `solve`
+        finds voltages within the input range.
         """
         number = self.numbers
         ways = [symmetric(float(np.float32(1.0) - row[0])) for row in number.play]

@@ -152,7 +152,7 @@ class Modes(InputBlock):
         return abs(self.direct(Ts_s)) >= LEAST_DIRECT and self.zero(Ts_s) < 1.0
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
-        """Each of the four words of a mode stays below LIMIT of `twofloat`, in the unit of x, and with them
+        """Each of the four words of a mode stays below LIMIT of `float32_arithmetic`, in the unit of x, and with them
 
             |w - direct x| <= sum_j |q_j| (|Re M_j| + |Im M_j|) LIMIT        times 1.01 for the roundings
 

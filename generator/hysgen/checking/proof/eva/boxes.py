@@ -10,13 +10,13 @@ widened by WIDENED for rounding and for the excess of interval arithmetic. Flags
 any value.
 
 commit accepts parameters within their limit (`bank_box`) whose gain lies between floor and ceiling over the whole
-range; it evaluates the gain at check points, with Taylor bounds between them (`commit_numbers.py`). The limit is proved
-of the generated C. The bounds of the gain are a theorem that an interval analysis cannot derive; the proof assumes them
-(`committed_gain_annotation`), less a bound of the rounding errors.
+range; it evaluates the gain at check points, with Taylor bounds between them (`float32.coefficients`). The limit is
+proved of the generated C. The bounds of the gain are a theorem that an interval analysis cannot derive; the proof
+assumes them (`committed_gain_annotation`), less a bound of the rounding errors.
 
-The covariance is left out: U, D and what one update keeps of them (U' x, D U' x, the lower words of the parameters) may
-hold any 32 bits, NaN among them. Intervals cannot see why a covariance stays positive; the generated code does not rely
-on it either, but looks for what has gone wild and starts again.
+Of a learner the covariance is left out: U, D and what one update keeps of them (U' x, D U' x, the lower words of the
+parameters) may hold any 32 bits, NaN among them. Intervals cannot see why a covariance stays positive; the generated
+code does not rely on it either, but looks for what has gone wild and starts again.
 """
 
 from __future__ import annotations

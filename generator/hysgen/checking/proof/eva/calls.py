@@ -1,7 +1,8 @@
 """The programs that Eva analyses: one call from any state of the box, checks of the state after it.
 
-In two parts. First what an update does to the shadow, from any bits at all: which words it writes, and that the shadow
-starts again unless every parameter is finite and inside its limit. Then the whole call with that as contracts.
+A call of learn is analysed in two parts. First what an update does to the shadow, from any bits at all: which words it
+writes, and that the shadow starts again unless every parameter is finite and inside its limit. Then the whole call with
+that as contracts.
 """
 
 from __future__ import annotations
