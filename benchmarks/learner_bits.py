@@ -18,7 +18,7 @@ from smooth_model import smooth
 
 from hysgen.checking.bits.comparison import Task, compare_task
 from hysgen.checking.bits.functions import LEARNER, chunks
-from hysgen.checking.host import COMPILERS, LEVELS, Host, compiled, toolchains
+from hysgen.checking.host import LEVELS, Host, compiled, host_compilers, toolchains
 from hysgen.codegen import Options, generate
 from hysgen.display import table
 from hysgen.model.learner_settings import LearnerSettings
@@ -45,7 +45,7 @@ def counted(model: Model, texts: dict[str, str], samples: int) -> tuple[int, int
 def main() -> int:
     """Print one row per size; exit code 1 if a bit differs."""
     samples = round(float(sys.argv[1] if len(sys.argv) > 1 else "1e6") / UPDATING_SHARE)
-    found, skipped = toolchains(COMPILERS, LEVELS)
+    found, skipped = toolchains(host_compilers(), LEVELS)
     rows, differences = [], []
     sizes = [int(size) for size in sys.argv[2:]] or list(SIZES)
     for parameters in sizes:

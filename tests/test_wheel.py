@@ -72,6 +72,7 @@ def test_fit_score_and_describe_need_no_compiler(site: Path, tmp_path: Path) -> 
     assert "free run" in run(site, tmp_path, *calls, **nothing)
     (library,) = (site / "hysgen" / "machine" / "kernels").glob("kernels-*.so")
     hidden = library.rename(library.with_suffix(".hidden"))
+    (tmp_path / "ziglang.py").write_text("")  # takes the place of the package whose compiler this test must not find
     with pytest.raises(AssertionError, match="no C compiler found"):
         run(site, tmp_path, "score stage.json r.csv", **nothing)
     hidden.rename(library)

@@ -15,7 +15,7 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.errors import HysgenError
-from hysgen.machine import native
+from hysgen.machine import kernel_build, native
 from hysgen.machine.processes import processes
 from hysgen.model.file import load_model
 from hysgen.record.bundled import bundled_csv
@@ -118,9 +118,13 @@ def test_a_demo_without_a_compiler_says_so_before_the_diagnosis(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PATH", f"{folder}")
+    monkeypatch.setattr(kernel_build, "_packaged_call", list)
     assert main(["demo", "-o", "new"]) == 2
     captured = capsys.readouterr()
-    assert captured.err.endswith("none of gcc, clang is installed; install one to verify with\n")
+    assert captured.err.endswith(
+        "none of gcc, clang, cc is installed; install gcc or clang, or point CC at one; "
+        "or, with pip alone, `pip install 'hysgen[compiler]'`\n"
+    )
     assert (captured.err.count("\n"), captured.out, Path("new").exists()) == (1, "", False)
 
 

@@ -86,16 +86,32 @@ def test_a_linker_error_without_the_word_is_told_too(cache: Path, tmp_path: Path
     assert str(Toolchain("gcc", ("-O1", "-g"))) == "gcc -O1 -g"
 
 
-def test_the_compiler_is_CC_or_the_first_of_three(monkeypatch: pytest.MonkeyPatch) -> None:
-    there = {"gcc", "clang", "mine"}
-    monkeypatch.setattr(kernel_build, "shutil", SimpleNamespace(which=lambda name: name if name in there else None))
-    for chosen, found in (("mine", "mine"), ("missing", "gcc"), ("", "gcc")):
-        monkeypatch.setenv("CC", chosen)
-        assert kernel_build.find_compiler() == found
-    there -= {"gcc", "clang", "mine"}
-    assert kernel_build.find_compiler() is None
-    with pytest.raises(BuildError, match="no C compiler found: install gcc or clang, or point CC at one"):
+def test_the_compiler_is_CC_or_the_first_of_the_system_or_that_of_pip(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def install(name: str) -> None:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("")
+        (tmp_path / name).chmod(0o755)
+
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(kernel_build.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setenv("CC", "missing")
+    with pytest.raises(BuildError, match=r"^no C compiler found: install gcc or clang, .*hysgen\[compiler\]"):
         native.default_toolchain()
+    package = SimpleNamespace(submodule_search_locations=[str(tmp_path / "ziglang")])
+    monkeypatch.setattr(kernel_build.importlib.util, "find_spec", {"ziglang": package}.get)
+    assert kernel_build.find_compiler() is None  # a package without its program
+    install("ziglang/zig")
+    assert kernel_build.compiler_call("cc")[:2] == [str(tmp_path / "ziglang" / "zig"), "cc"]
+    for name in reversed(kernel_build.SYSTEM):
+        install(name)
+        assert (kernel_build.find_compiler(), kernel_build.compiler_call("cc")) == ("cc", [name])
+    install("mine")
+    for chosen in ("mine", "mine -m32"):
+        monkeypatch.setenv("CC", chosen)
+        assert kernel_build.compiler_call(kernel_build.find_compiler() or "") == chosen.split()
+    assert kernel_build.compiler_call("tcc") == kernel_build.compiler_call("") == []
 
 
 def test_the_kernels_library_is_named_by_sources_and_flags_and_built_for_the_processor(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -16,7 +15,8 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.codegen.structs import Function, interface_of
 from hysgen.errors import BuildError, CertificateError, ModelError
-from hysgen.machine.native import Library, Toolchain, build, compiler_version
+from hysgen.machine.kernel_build import compiler_call
+from hysgen.machine.native import INSTALL, Library, Toolchain, build, compiler_version
 from hysgen.machine.threads import in_threads
 from hysgen.model.model import Model
 from hysgen.model.simulate import rest_um, series
@@ -123,7 +123,6 @@ def _driver_declaration(entry: Function) -> str:
     )
 
 
-COMPILERS: Final = ("gcc", "clang")
 LEVELS: Final = ("-O0", "-O2", "-O3")
 
 
@@ -139,15 +138,21 @@ class Build:
         return f"{self.toolchain}{', flush to zero' if self.flush else ''}"
 
 
+def host_compilers() -> tuple[str, ...]:
+    """gcc and clang; where neither is installed the compiler of this machine, too."""
+    known = ("gcc", "clang")
+    return known if any(map(compiler_call, known)) else (*known, "cc")
+
+
 def toolchains(compilers: Sequence[str], levels: Sequence[str]) -> tuple[list[Toolchain], list[str]]:
     """Every level of every installed compiler, and one line for each compiler that is not installed.
 
     levels: compiler flags; one string may hold several flags. Raises BuildError if no compiler is installed.
     """
-    installed = [compiler for compiler in compilers if shutil.which(compiler)]
+    installed = [compiler for compiler in compilers if compiler_call(compiler)]
     missing = [f"{name}: not installed, nothing was compared with it" for name in compilers if name not in installed]
     if not installed:
-        raise BuildError(f"none of {', '.join(compilers)} is installed; install one to verify with")
+        raise BuildError(f"none of {', '.join(compilers)} is installed; {INSTALL}")
     return [Toolchain(compiler, tuple(level.split())) for compiler in installed for level in levels], missing
 
 

@@ -6,7 +6,9 @@ Standard library only: the build of the wheel (hatch_build.py) runs this file be
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -25,9 +27,34 @@ KERNELS: Final = ("hysgen_*",)
 """Functions of the kernels that Python calls."""
 
 
+SYSTEM: Final = ("cc", "gcc", "clang")
+
+
 def find_compiler() -> str | None:
-    """The compiler that `CC` names, or the first of cc, gcc and clang that is installed; None without one."""
-    return next((c for c in (os.environ.get("CC", ""), "cc", "gcc", "clang") if c and shutil.which(c)), None)
+    """The compiler that the environment variable CC names, or `cc`; None if neither is installed."""
+    return next((command for command in (os.environ.get("CC", ""), "cc") if compiler_call(command)), None)
+
+
+def compiler_call(command: str) -> list[str]:
+    """Words that run the compiler `command`, which may hold arguments ("ccache gcc"); empty if it is not installed.
+
+    `cc` is the compiler of this machine: the first of cc, gcc and clang, or else the clang in the Python package
+    ziglang, which is the extra `compiler`.
+    """
+    words = shlex.split(command)
+    if words == ["cc"]:
+        program = next((name for name in SYSTEM if shutil.which(name)), None)
+        return [program] if program else _packaged_call()
+    return words if words and shutil.which(words[0]) else []
+
+
+def _packaged_call() -> list[str]:
+    """Words that run the compiler of the package ziglang; empty without that package."""
+    package = importlib.util.find_spec("ziglang")
+    folders = (package and package.submodule_search_locations) or []
+    program = next((path for folder in folders if (path := shutil.which("zig", path=folder))), None)
+    # Like other compilers: code for every processor of this kind, and no checks of the compiler's own in it.
+    return [program, "cc", "-mcpu=baseline", "-fno-sanitize=undefined"] if program else []
 
 
 def export_flags(names: Collection[str], folder: Path) -> list[str]:
@@ -63,6 +90,6 @@ def build_kernels(folder: Path, compiler: str, target: Path) -> Path:
     architecture = os.environ.get("ARCHFLAGS", "").split()
     with tempfile.TemporaryDirectory() as scratch:
         flags = [*architecture, *STRICT_FLAGS, *OPTIMISATION, *export_flags(KERNELS, Path(scratch))]
-        command = [compiler, *flags, "-shared", "-o", str(library), *sources, "-lm"]
+        command = [*compiler_call(compiler), *flags, "-shared", "-o", str(library), *sources, "-lm"]
         subprocess.run(command, check=True, capture_output=True, text=True)
     return library

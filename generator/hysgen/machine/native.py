@@ -9,19 +9,21 @@ from __future__ import annotations
 import functools
 import os
 import re
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from cffi import FFI
 
 from hysgen.errors import BuildError, HysgenError
 from hysgen.machine.files import digest
-from hysgen.machine.kernel_build import STRICT_FLAGS, export_flags, find_compiler
+from hysgen.machine.kernel_build import STRICT_FLAGS, compiler_call, export_flags, find_compiler
+
+INSTALL: Final = "install gcc or clang, or point CC at one; or, with pip alone, `pip install 'hysgen[compiler]'`"
+"""What to do on a machine without a C compiler."""
 
 
 @dataclass(frozen=True)
@@ -48,19 +50,20 @@ class Library:
 
 
 def default_toolchain() -> Toolchain:
-    """The compiler that `CC` names, or the first of cc, gcc and clang that is installed."""
+    """The compiler of `find_compiler`. Raises BuildError without one."""
     command = find_compiler()
     if command is None:
-        raise BuildError("no C compiler found: install gcc or clang, or point CC at one")
+        raise BuildError(f"no C compiler found: {INSTALL}")
     return Toolchain(command)
 
 
 @functools.lru_cache(maxsize=64)
 def compiler_version(command: str) -> str:
     """First line of `command --version`. Raises BuildError if the compiler is not installed."""
-    if shutil.which(command) is None:
+    call = compiler_call(command)
+    if not call:
         raise BuildError(f"{command}: no such compiler; install it, or name another one")
-    run = subprocess.run([command, "--version"], capture_output=True, text=True, check=False)
+    run = subprocess.run([*call, "--version"], capture_output=True, text=True, check=False)
     return run.stdout.splitlines()[0] if run.stdout else command
 
 
@@ -195,7 +198,8 @@ def _build(
             Path(scratch, name).write_text(text, encoding="utf-8", newline="\n")
 
         def run(*arguments: str) -> None:
-            done = subprocess.run([command, *arguments], cwd=scratch, capture_output=True, text=True, check=False)
+            call = [*compiler_call(command), *arguments]
+            done = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 message = next(
                     (line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip()[:200]

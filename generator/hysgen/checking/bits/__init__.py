@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -22,7 +22,7 @@ from hysgen.checking.bits.random_models import (
     random_model,
 )
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
-from hysgen.checking.host import COMPILERS, LEVELS, compiled, toolchains, versions
+from hysgen.checking.host import LEVELS, compiled, host_compilers, toolchains, versions
 from hysgen.codegen import Options, generate
 from hysgen.codegen.manifest import read_folder
 from hysgen.model.model import Model
@@ -46,7 +46,7 @@ class VerifySettings:
     samples: int = DEFAULT_SAMPLES
     other_models: int = DEFAULT_OTHER_MODELS
     seed: int = 1
-    compilers: Sequence[str] = COMPILERS
+    compilers: Sequence[str] = field(default_factory=host_compilers)
     levels: Sequence[str] = LEVELS
 
 

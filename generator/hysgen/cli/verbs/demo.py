@@ -9,7 +9,7 @@ from pathlib import Path
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify
 from hysgen.checking.cost import cost
-from hysgen.checking.host import COMPILERS, LEVELS, toolchains
+from hysgen.checking.host import LEVELS, host_compilers, toolchains
 from hysgen.cli.console import Console
 from hysgen.cli.outputs import Output, check_file, check_files
 from hysgen.cli.verbs import Verb
@@ -52,7 +52,7 @@ def demo_arguments(parser: argparse.ArgumentParser) -> None:
 @several_processes(__name__)
 def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     started = time.monotonic()
-    toolchains(COMPILERS, LEVELS)  # raises BuildError now, not after the diagnosis
+    toolchains(host_compilers(), LEVELS)  # raises BuildError now, not after the diagnosis
     folder = Path(arguments.output)
     csv, model_file, code, page = (folder / name for name in ("record.csv", "stage.json", "c", "report.html"))
     if not (csv.exists() and csv.read_bytes() == bundled_csv().encode()):
