@@ -37,16 +37,6 @@ READ: dict[str, tuple[str, str]] = {
         f'"{NAMES}"\n{lines(chr(34) + "{t},{u},{y}" + chr(34))}',
         "the quotes around its rows",
     ),
-    "tabs written as backslash t": (
-        NAMES.replace(",", "\\t") + "\n" + lines("{t}\\t{u}\\t{y}"),
-        "'\\t' is taken for a tab",
-    ),
-    "colours of a terminal": (f"{NAMES}\n" + lines("\x1b[32m{t},{u},{y}\x1b[0m"), "the colours of a terminal"),
-    "a serial monitor, values": (lines("12:00:{t:06.3f} -> {u},{y}"), "the times before '->' are column 'time'"),
-    "a serial monitor, named values": (
-        lines("12:00:{t:06.3f} -> U:{u},y:{y}"),
-        "its rows name their values (time, U, y)",
-    ),
     "minutes and seconds of a spreadsheet": (
         f"{NAMES}\n" + lines("00:{t:06.3f},{u},{y}"),
         'read as --columns "time=time',
@@ -78,6 +68,26 @@ REFUSED: dict[str, tuple[Callable[[], str], str]] = {
     "XML": (
         lambda: "<log>\n" + lines('<s t="{t}" u="{u}" y="{y}"/>') + "\n</log>",
         r"is XML, not a table; export it as CSV",
+    ),
+    "tabs written as backslash t": (
+        lambda: NAMES.replace(",", "\\t") + "\n" + lines("{t}\\t{u}\\t{y}"),
+        r"is what a terminal printed, with tabs written as .* \(time.tvoltage.tposition / 0\.0.t5\.0.t0",
+    ),
+    "colours of a terminal": (
+        lambda: f"{NAMES}\n" + lines("\x1b[32m{t},{u},{y}\x1b[0m"),
+        r"is what a terminal printed, with colours, and no table \(time,voltage,position / 0\.0,5\.0,",
+    ),
+    "a frame around a table": (
+        lambda: "+---+---+---+\n| time | voltage | position |\n+---+---+---+\n" + lines("| {t} | {u} | {y} |"),
+        r"is what a terminal printed, with frames, and no table \(\| time \| voltage \| position \| / \| 0\.0 \|",
+    ),
+    "a frame of lines": (
+        lambda: "\u250c\u2500\u2510\n\u2502 time \u2502 voltage \u2502\n" + lines("\u2502 {t} \u2502 {u} \u2502"),
+        r"is what a terminal printed, with frames, and no table \(\u2502 time \u2502 voltage \u2502 /",
+    ),
+    "a serial monitor": (
+        lambda: lines("12:00:{t:06.3f} -> {u},{y}"),
+        r"is what a terminal printed, with times of arrival, and no table \(12:00:00\.000 -> 5\.0,.*; write the values",
     ),
     "one value a row": (
         lambda: "time,channel,value\n" + lines("{t},voltage,{u}\n{t},position,{y}"),

@@ -120,7 +120,7 @@ def test_lvm_with_a_header_for_each_part_is_one_segment_a_part(columns: str, tmp
     assert [segment.samples for segment in record.segments] == [half, N - half]
     np.testing.assert_allclose(np.concatenate([s.y_um for s in record.segments]), Y_UM, rtol=1e-9)
     path.write_text(head + lvm_part(columns, 0, half).replace(f"{U_V[7]}", "x", 1))
-    with pytest.raises(RecordError, match=r"log.lvm: line \d+: is no row of \d numbers"):
+    with pytest.raises(RecordError, match=r"log.lvm: line \d+: Voltage is 'x', not a number; correct it"):
         load_record(path)
 
 

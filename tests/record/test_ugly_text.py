@@ -201,3 +201,34 @@ def test_text_that_cannot_be_guessed_is_refused_with_its_row_and_a_remedy(kind: 
     assert "\n" not in str(caught.value)
     for part in said:
         assert part in str(caught.value)
+
+
+NO_NUMBERS = (
+    "1.#INF",
+    "-1.#INF",
+    "1.#IND",
+    "-1.#IND",
+    "1.#QNAN",
+    "1.#SNAN",
+    "1,#INF",
+    "45%",
+    "45 %",
+    "#DIV/0!",
+    "#N/A",
+)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("word", NO_NUMBERS)
+def test_a_word_for_no_number_is_refused_in_every_column_with_its_line(
+    word: str, place: int, separator: str, tmp_path: Path
+) -> None:
+    rows = [[f"{k}e-3", f"{k % 37}", f"{0.1 * (k % 37):.4f}"] for k in range(300)]
+    rows[70][place] = word
+    path = tmp_path / "log.csv"
+    names = separator.join(["time_s", "voltage_V", "displacement_um"])
+    path.write_text("\n".join([names, *map(separator.join, rows)]))
+    with pytest.raises(RecordError, match=r"log\.csv: line 72: ") as fault:
+        load_record(path)
+    assert word in str(fault.value) or "fields" in str(fault.value)

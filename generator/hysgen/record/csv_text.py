@@ -1,12 +1,7 @@
-"""Conversion between CSV text and columns of numbers.
-
-NumPy's compiled reader parses the text. If it fails, a slow reader parses line by line and reports the line, the column
-and the fault.
-"""
+"""From text to columns of numbers with roles and units, and from columns to text."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.cells import numbers_of
 from hysgen.record.columns import Columns, plain_unit, split_unit
 from hysgen.record.exports import as_table
-from hysgen.record.interludes import Parts, without_interludes
 from hysgen.record.layout import Layout, layout_of
-from hysgen.record.lines import COMMENT, split
 from hysgen.record.names import ROLES, guessed, has_time
-from hysgen.record.spelling import FORTRAN, MINUS, clock_seconds, in_unit, is_clock, number, quantity
+from hysgen.record.spelling import is_clock, number, quantity
 from hysgen.record.text import text_of
 from hysgen.record.wrapped import unwrapped
 
@@ -97,12 +91,12 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
             use.append(position)
         elif name and columns.aux is None:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
-    values, parts = _parse(layout, use)
-    remarks += parts.remarks
-    table = {layout.names[position]: values[:, place] for place, position in enumerate(use)}
+    numbers = numbers_of(layout, use)
+    remarks += numbers.remarks
+    table = {layout.names[position]: numbers.values[:, place] for place, position in enumerate(use)}
     table = _with_one_time(source, table, columns.time)
     names = tuple(filter(None, layout.names))
-    return CsvTable(names, table, columns, layout.Ts_s, parts.layout.locate, tuple(remarks), parts.starts)
+    return CsvTable(names, table, columns, layout.Ts_s, numbers.locate, tuple(remarks), numbers.starts)
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
@@ -213,126 +207,3 @@ def _rises_evenly(texts: Sequence[str], layout: Layout) -> bool:
         return False
     steps = np.diff(np.array(values, dtype=np.float64))
     return bool(steps.min() >= 0.0 and steps.mean() > 0.0 and steps.max() < 3.0 * steps.mean())
-
-
-def _parse(layout: Layout, use: Sequence[int]) -> tuple[NDArray[np.float64], Parts]:
-    """Columns `use` as (n, len(use)), and the parts of the table that they are.
-
-    By the slow reader where the fast one fails or may have missed a fault.
-    """
-    values = _fast(layout, use)
-    if values is not None:
-        return values, Parts(layout)
-    parts = without_interludes(layout, use)
-    cut = _without_cut_line(parts.layout)
-    if cut is not None:
-        remark = f"{layout.source}: the last line is cut short and is left out"
-        parts = replace(parts, layout=cut, remarks=(*parts.remarks, remark))
-    values = None if parts.layout is layout else _fast(parts.layout, use)
-    return (_slow(parts.layout, use) if values is None else values), parts
-
-
-def _without_cut_line(layout: Layout) -> Layout | None:
-    """The layout without its last line, if that has fewer fields than the others; else None."""
-    body = layout.body.rstrip("\n")
-    start = body.rfind("\n") + 1
-    last = body[start:]
-    if start == 0 or not last.strip() or len(split(last, layout.separator)) >= len(layout.names):
-        return None
-    before = body[: start - 1]
-    line = before[before.rfind("\n") + 1 :]
-    if len(split(line, layout.separator)) != len(layout.names):
-        return None
-    return replace(layout, body=body[:start])
-
-
-def _fast(layout: Layout, use: Sequence[int]) -> NDArray[np.float64] | None:
-    """The numbers by NumPy's compiled reader, or None if it fails: its messages name no line and no column."""
-    comments: str | list[str] = COMMENT if "%" not in layout.body else [COMMENT, "%"]
-    if layout.comma and layout.separator == ",":
-        return None
-    body = layout.body.replace(",", ".") if layout.comma else layout.body
-    if not body.isascii():
-        body = body.translate(MINUS)
-    if FORTRAN.search(body, 0, 1000):
-        body = FORTRAN.sub("E", body)
-    try:
-        values = np.loadtxt(
-            io.StringIO(body),
-            dtype=np.float64,
-            comments=comments,
-            delimiter=None if layout.separator == " " else layout.separator,
-            usecols=None if len(use) == len(layout.names) else use,
-            quotechar='"' if '"' in layout.body else None,
-            ndmin=2,
-        )
-    except ValueError:
-        return None
-    if len(use) == len(layout.names):
-        return values if values.shape[1] == len(layout.names) else None
-    # If columns are left out, the fast reader does not detect rows of the wrong length.
-    if layout.separator == " ":
-        return None
-    regular = layout.body.count(layout.separator) == values.shape[0] * (len(layout.names) - 1)
-    return values if regular else None
-
-
-CURE = "correct it, or delete the row and read the rest with --split-at-gaps"
-
-
-def _in_unit(layout: Layout, line: int, position: int, text: str, unit: str) -> float | None:
-    """The number in a cell, in the unit of the column's first cell; None if it is none. Raises RecordError."""
-    if not unit and (value := number(text, layout.comma)) is not None:
-        return value
-    found = quantity(text, layout.comma)
-    if found is None:
-        return None
-    value = in_unit(*found, unit)
-    if value is None:
-        first = f"in {unit}" if unit else "without a unit"
-        raise RecordError(
-            f"{layout.source}: line {line}: {layout.names[position]} is '{text}', the first row is {first}; correct it"
-        )
-    return value
-
-
-def _slow(layout: Layout, use: Sequence[int]) -> NDArray[np.float64]:
-    """The numbers by Python, one line at a time. Raises RecordError at the first fault, with its line and column."""
-    table: list[list[float]] = []
-    clocks: dict[int, list[str]] = {}
-    units: list[str] = []
-    for line, fields in layout.rows():
-        if len(fields) != len(layout.names):
-            named = "header" if layout.headed else "first row"
-            cure = "complete the row"
-            if layout.separator == "," and len(fields) == 2 * len(layout.names):
-                cure = "if its decimal signs are commas too, save it with semicolons between the columns"
-            raise RecordError(
-                f"{layout.source}: line {line}: has {len(fields)} fields, the {named} has {len(layout.names)}; {cure}"
-            )
-        if not table:
-            found = [quantity(fields[position], layout.comma) for position in use]
-            units = ["" if one is None else one[1] for one in found]
-        row = []
-        for place, position in enumerate(use):
-            value = _in_unit(layout, line, position, fields[position], units[place])
-            if value is None and is_clock(fields[position]):
-                clocks.setdefault(place, []).append(fields[position])
-                value = 0.0
-            if value is None:
-                shown, cure = f"'{fields[position]}', not a number" if fields[position] else "empty", CURE
-                if fields[position][:2].lower() == "0x":
-                    shown = f"'{fields[position]}', a hexadecimal number"
-                    cure = "write decimal numbers, in the unit of the column"
-                raise RecordError(f"{layout.source}: line {line}: {layout.names[position]} is {shown}; {cure}")
-            row.append(value)
-        table.append(row)
-    values = np.array(table, dtype=np.float64)
-    for place, texts in clocks.items():
-        if len(texts) != len(table):
-            name = layout.names[use[place]]
-            raise RecordError(
-                f"{layout.source}: {name} is a time of day in {len(texts)} of {len(table)} rows; correct it"
-            )
-        values[:, place] = clock_seconds(texts)
-    return values

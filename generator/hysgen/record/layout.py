@@ -58,6 +58,10 @@ class Layout:
             if is_data(line):
                 yield position, split(line, self.separator)
 
+    def is_value(self, cell: str) -> bool:
+        """Whether a cell is a number, with or without a unit, or a time of day."""
+        return quantity(cell, self.comma) is not None or is_clock(cell)
+
     def locate(self, row: int) -> str:
         """The line of a row of numbers."""
         return next(f"line {number}" for position, (number, _) in enumerate(self.rows()) if position == row)

@@ -14,10 +14,26 @@ RULER = re.compile(r"[\s|+:=,;-]*[-=]{3}[\s|+:=,;-]*|\|(?:\s*:?-+:?\s*\|)+\s*")
 """A line drawn under a header."""
 
 
+_SPREADSHEET = re.compile(r"#(?:DIV/0!|N/A|REF!|VALUE!|NUM!|NULL!|NAME\?|#+)(?=\s*(?:[,;\t|]|$)| +[-+\d.])")
+"""What a spreadsheet puts for a value that it cannot compute or show; it is a cell, and no comment."""
+
+
 def split(line: str, separator: str) -> list[str]:
-    """The fields of one line, without quotes and without a comment at its end."""
-    hash_at = re.search(r"(?:^|\s)#", line)
-    line = (line[: hash_at.start()] if hash_at else line).strip(" \r\n")
+    """The fields of one line, without quotes and without a comment at its end.
+
+    A comment needs a blank before it; behind a separator, '#' belongs to the cell.
+
+    >>> split("0.1,5.8,0.8  # knock", ","), split("0.1,5.8, #DIV/0!", ","), split("0.1,5.8,1.#INF", ",")
+    (['0.1', '5.8', '0.8'], ['0.1', '5.8', '#DIV/0!'], ['0.1', '5.8', '1.#INF'])
+    """
+    if "#" in line:
+        for mark in re.finditer(r"(?:^|(?<=\s))#", line):
+            before = line[: mark.start()].rstrip(" ")
+            behind_separator = separator != " " and before.endswith(separator)
+            if not behind_separator and not _SPREADSHEET.match(line, mark.start()):
+                line = before
+                break
+    line = line.strip(" \r\n")
     if separator == " ":
         return line.split()
     fields = next(csv.reader([line], delimiter=separator)) if '"' in line else line.split(separator)
@@ -38,4 +54,5 @@ def without_comment(line: str) -> str:
 def is_data(line: str) -> bool:
     """Neither blank, nor a comment, nor a ruler under a header."""
     stripped = line.lstrip()
-    return bool(stripped.strip(" \t;,")) and not stripped.startswith(COMMENTS) and not RULER.fullmatch(stripped)
+    comment = stripped.startswith(COMMENTS) and not _SPREADSHEET.match(stripped)
+    return bool(stripped.strip(" \t;,")) and not comment and not RULER.fullmatch(stripped)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.spelling import UnreadableError, values_of
 
 MARK: Final = "LabVIEW Measurement"
 END: Final = "***End_of_Header***"
@@ -94,12 +95,11 @@ def _numbers(source: str, part: _Part, columns: Sequence[int], comma: bool) -> N
     rows = part.rows
     if len(rows) > 1 and len(rows[-1]) <= max(columns):
         rows = rows[:-1]
-    values = np.empty((len(rows), len(columns)))
-    for row, fields in enumerate(rows):
+    values = []
+    for at in columns:
         try:
-            values[row] = [float(fields[at].replace(",", ".") if comma else fields[at]) for at in columns]
-        except (ValueError, IndexError) as fault:
-            raise RecordError(
-                f"{source}: line {part.first + row + 1}: is no row of {len(columns)} numbers; correct it"
-            ) from fault
-    return values
+            values.append(values_of([fields[at] if at < len(fields) else "" for fields in rows], comma))
+        except UnreadableError as fault:
+            where = f"{source}: line {part.first + fault.row + 1}: {part.names[at].strip()}"
+            raise RecordError(f"{where} is {fault}; {fault.cure or 'correct it'}") from fault
+    return np.column_stack(values)

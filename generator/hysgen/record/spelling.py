@@ -82,6 +82,52 @@ def in_unit(value: float, unit: str, wanted: str) -> float | None:
     return value * (multiply * wanted_divide) / (divide * wanted_multiply)
 
 
+class UnreadableError(ValueError):
+    """A cell that is no number: its row, from 0, and the cure where it is not the usual one. str: what it is."""
+
+    def __init__(self, row: int, what: str, cure: str = "") -> None:
+        super().__init__(what)
+        self.row, self.cure = row, cure
+
+
+def values_of(texts: Sequence[str], comma: bool) -> NDArray[np.float64]:
+    """The numbers in the cells of a column, (n,): in the unit of the first cell; of times of day, s since the first.
+
+    Raises UnreadableError at the first cell that is none.
+    """
+    if texts and is_clock(texts[0]):
+        for row, text in enumerate(texts):
+            if not is_clock(text):
+                raise UnreadableError(row, f"'{text}', no time of day as in the first row")
+        return clock_seconds(texts)
+    unit = ((quantity(texts[0], comma) if texts else None) or (0.0, ""))[1]
+    values = np.empty(len(texts))
+    for row, text in enumerate(texts):
+        value = None if unit else number(text, comma)
+        if value is None:
+            value = _in_unit_of_first(row, text, comma, unit)
+        values[row] = value
+    return values
+
+
+def _in_unit_of_first(row: int, text: str, comma: bool, unit: str) -> float:
+    known = quantity(text, comma)
+    value = None if known is None else in_unit(*known, unit)
+    if value is not None:
+        return value
+    if known is not None:
+        raise UnreadableError(
+            row, f"'{text}', the first row is {f'in {unit}' if unit else 'without a unit'}", "correct it"
+        )
+    if text[:2].lower() == "0x":
+        cure = "write decimal numbers, in the unit of the column"
+        raise UnreadableError(row, f"'{text}', a hexadecimal number", cure)
+    other = _VALUE_AND_UNIT.fullmatch(text)
+    if other and number(other.group(1).rstrip(), comma) is not None and re.fullmatch(r"[^\W\d_]+|%", other.group(2)):
+        raise UnreadableError(row, f"'{text}', a number in {other.group(2)}, which is no unit of a column")
+    raise UnreadableError(row, f"'{text}', not a number" if text else "empty")
+
+
 def is_clock(text: str) -> bool:
     """Whether `text` is a time of day, with or without a date."""
     return CLOCK.fullmatch(text) is not None

@@ -1,17 +1,17 @@
-"""Rows that a program printed: each value with its name, or a whole row in brackets or quotes.
+"""Rows that a program wrote: each value with its name, or a whole row in brackets or quotes.
 
     t=0.001, U=5.8 V, y=0.81      named values, also with ":" and as JSON objects, one a line
-    [0.001, 5.8, 0.81]            lists, as Python and MATLAB print them; data = [ ... ]; around all of them
+    [0.001, 5.8, 0.81]            lists, as Python and MATLAB write them; data = [ ... ]; around all of them
     "0.001,5.8,0.81"              quotes around whole rows
-    0.001\\t5.8\\t0.81             tabs as a backslash and a t; colours of a terminal
-    12:00:00.001 -> 5.8,0.81      a serial monitor
 
-They become a header and rows of values, which the reader of tables takes.
+They become a header and rows of values, which the reader of tables takes. What only a terminal prints is refused.
 """
 
 from __future__ import annotations
 
 import re
+
+from hysgen.errors import RecordError
 
 LOOKED_AT = 20
 """Lines that must have one of these forms before all lines are read so."""
@@ -29,18 +29,24 @@ _MATRIX = re.compile(r"(?:[^\W\d]\w*\s*=\s*)?[\[({]")
 
 _NUMBERS = re.compile(r"[-+\d.,;eE\s]*")
 _QUOTED = re.compile(r'"[^"]*[,;\t][^"]*"')
-_COLOUR = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
-_ARRIVAL = re.compile(r"(\d\d?:\d\d:\d\d[.,]\d+)\s*->\s*(.*)")
-"""The time at which a serial monitor received a line, and the line."""
+_TERMINAL = {
+    "colours": re.compile(r"\x1b\[[0-9;]*[A-Za-z]"),
+    "frames": re.compile(r"[\u2500-\u257f]|\s*\+(?:[-=]+\+){2,}\s*"),
+    "times of arrival": re.compile(r"\d\d?:\d\d:\d\d[.,]\d+\s*->"),
+    "tabs written as a backslash and a t": re.compile(r"[^\t]*\\t[^\t]*\\t"),
+}
+"""What a terminal, a table printer or a serial monitor puts into a line, and no logger."""
 
 
 def unwrapped(source: str, text: str) -> tuple[str, tuple[str, ...]]:
     """The text as a table, and a remark for each thing that was done; any other text as it is."""
-    text, remarks = _plain(source, text)
     lines = [line.strip() for line in text.split("\n")]
     head = _head(lines)
     if len(head) < FEWEST:
-        return text, remarks
+        return text, ()
+    _check_no_terminal(source, head)
+    if all(_QUOTED.fullmatch(line) for line in head):
+        return "\n".join(line.strip('"') for line in lines), (f"{source}: the quotes around its rows are left out",)
     named = [_named_values(line) for line in head]
     first = named[0]
     if (
@@ -49,56 +55,29 @@ def unwrapped(source: str, text: str) -> tuple[str, tuple[str, ...]]:
         and all(one and [name for name, _ in one] == [name for name, _ in first] for one in named)
     ):
         table, remark = _table_of_named(source, lines, [name for name, _ in first])
-        return table, (*remarks, remark)
+        return table, (remark,)
     bare = _matrix(lines)
     if bare is None and all(_bare(line) != line for line in head):
         bare = [_bare(line) for line in lines]
     if bare is not None:
-        return "\n".join(bare), (*remarks, f"{source}: the brackets around its rows are left out")
-    return text, remarks
+        return "\n".join(bare), (f"{source}: the brackets around its rows are left out",)
+    return text, ()
 
 
 def _head(lines: list[str]) -> list[str]:
     return [line for line in lines if line.strip()][:LOOKED_AT]
 
 
-def _plain(source: str, text: str) -> tuple[str, tuple[str, ...]]:
-    """The text without colours, quotes around rows and times of arrival, with tabs for what stands for them."""
-    remarks = []
-    if "\x1b[" in text:
-        text = _COLOUR.sub("", text)
-        remarks.append(f"{source}: the colours of a terminal are left out")
-    lines = text.split("\n")
-    head = _head(lines)
-    if len(head) < FEWEST:
-        return text, tuple(remarks)
-    if all("\\t" in line and "\t" not in line for line in head):
-        text = text.replace("\\t", "\t")
-        remarks.append(f"{source}: '\\t' is taken for a tab")
-    elif all(_QUOTED.fullmatch(line.strip()) for line in head):
-        text = "\n".join(line.strip().strip('"') for line in lines)
-        remarks.append(f"{source}: the quotes around its rows are left out")
-    elif all(_ARRIVAL.fullmatch(line.strip()) for line in head):
-        text = "\n".join(_with_arrival(lines))
-        remarks.append(f"{source}: the times before '->' are column 'time'")
-    return text, tuple(remarks)
-
-
-def _with_arrival(lines: list[str]) -> list[str]:
-    """The lines of a serial monitor with the time as the first value; behind the name time if the line has names."""
-    made = []
-    for line in lines:
-        match = _ARRIVAL.fullmatch(line.strip())
-        if match is None:
-            made.append(line)
-            continue
-        time, rest = match.groups()
-        if _named_values(rest):
-            made.append(f"time={time},{rest}")
-        else:
-            headed = not made and not _NUMBERS.fullmatch(rest)
-            made.append(f"{'time' if headed else time}{',' if ',' in rest else chr(9)}{rest}")
-    return made
+def _check_no_terminal(source: str, head: list[str]) -> None:
+    """Raise RecordError for lines that only a terminal prints, with the first of them."""
+    for what, mark in _TERMINAL.items():
+        if sum(mark.match(line) is not None for line in head) >= 2:
+            bare = (_TERMINAL["colours"].sub("", line) for line in head)
+            shown = " / ".join([line[:40] for line in bare if any(map(str.isalnum, line))][:FEWEST])
+            raise RecordError(
+                f"{source}: is what a terminal printed, with {what}, and no table ({shown}); write the values "
+                "themselves, one row for each sample, with commas between them"
+            )
 
 
 def _matrix(lines: list[str]) -> list[str] | None:
