@@ -172,9 +172,7 @@ BAD = [
         table(U_V, CLIPPED_UM),
         (f"line {np.argmax(CLIPPED_UM) + 2}", "displacement_um stays at its highest value 7.5", "drive less, or widen"),
     ),
-    Bad(
-        "columns exchanged", "a.csv", table(Y_UM, U_V), ("displacement_um runs ahead of voltage_V", "swap their names")
-    ),
+    Bad("columns exchanged", "a.csv", table(Y_UM, U_V), ("displacement_um runs ahead of voltage_V", "reads them so")),
     Bad("two samples", "a.csv", f"{HEADER}\n0,1,2\n1,2,3\n".encode(), ("line 2", "2 samples", "record at least 3")),
     # time
     Bad("NaN in time", "a.csv", text({9: "nan,1,2"}), ("line 9", "time_s is nan", "write its time")),

@@ -46,6 +46,9 @@ PERIODS = {
 }
 """Lower-case names of scalars that give the sampling period in s (+1) or the rate in Hz (-1)."""
 
+FILL_VALUES = ("_FillValue", "missing_value")
+"""Attributes of a dataset with the stored value that means none (CF)."""
+
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MATLAB_BLOCK = 512
 """Bytes that MATLAB puts before the HDF5 part of a v7.3 file."""
@@ -147,7 +150,14 @@ def read_hdf5(path: Path) -> tuple[dict[str, Array], dict[str, str], float | Non
 
 
 def _scaled(values: Array, attributes: Mapping[str, Any]) -> Array:
-    """The values in their unit, where the attributes `scale_factor` and `add_offset` say how they were packed (CF)."""
+    """The values in their unit, where the attributes `scale_factor` and `add_offset` say how they were packed (CF).
+
+    Where the stored value is a fill value, NaN.
+    """
+    marks = [np.ravel(attributes[key]) for key in FILL_VALUES if key in attributes]
+    missing = np.isin(values, np.concatenate(marks)) if marks else np.zeros(1, dtype=bool)
+    if missing.any():
+        values = np.where(missing, np.nan, values.astype(np.float64))
     if not {"scale_factor", "add_offset"} & set(attributes):
         return values
     factor, offset = (float(np.ravel(attributes.get(*one))[0]) for one in (("scale_factor", 1.0), ("add_offset", 0.0)))

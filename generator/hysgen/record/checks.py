@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.plausibility import saturation, swapped
@@ -16,6 +17,49 @@ ACCEPTABLE = ("constant", "saturation", "swapped")
 
 SHORTEST = 3
 """Samples that a run needs: two steps are the least from which a sampling period and its variation follow."""
+
+
+NO_READING = 1e30
+"""Magnitude from which on a number is no reading: SCPI instruments write 9.9e37 for an overload, 9.91e37 for none."""
+
+MARKED = 0.01
+"""Share of the rows below which a value such as -9999, far off all others, marks rows without a reading."""
+
+LIMITS = frozenset(2.0**bits - less for bits in (15, 16, 31, 32, 63, 64) for less in (0.0, 1.0))
+"""Magnitudes at which integers end."""
+
+
+def check_marks(runs: Sequence[Segment], unit_V: float = 1.0, unit_um: float = 1.0) -> None:
+    """Refuse numbers that stand for an overload or a missing reading, with the first row.
+
+    unit_V, unit_um: what one in the file is.
+    """
+    for run in runs:
+        named = ((run.origin.voltage, run.u_V / unit_V), (run.origin.displacement, run.y_um / unit_um))
+        for name, values in chain(named, run.aux.items()):
+            rows = np.isfinite(values) & (np.abs(values) >= NO_READING)
+            what = "as instruments write for an overload or for no reading"
+            ends = values[np.isfinite(values)]
+            for end in (ends.min(), ends.max()) if ends.size and not rows.any() else ():
+                if _is_mark(values, float(end)):
+                    rows, what = values == end, "far off all others, as loggers write for no reading"
+            if rows.any():
+                row = int(np.argmax(rows))
+                raise RecordError(
+                    f"{run.origin.at(row)}: {name} is {values[row]:.10g} ({np.count_nonzero(rows)} such values), "
+                    f"{what}; correct it, or delete the row and read the rest with --split-at-gaps"
+                )
+
+
+def _is_mark(values: NDArray[np.float64], end: float) -> bool:
+    """Whether the extreme value `end` is all nines or a limit of an integer, in few rows and far off all others."""
+    digits = f"{abs(end):.10g}".replace(".", "")
+    if not (abs(end) in LIMITS or (len(digits) > 2 and set(digits) == {"9"})):
+        return False
+    rest = values[(values != end) & np.isfinite(values)]
+    if not rest.size >= (1.0 - MARKED) * values.size:
+        return False
+    return max(float(rest.min()) - end, end - float(rest.max())) > float(np.ptp(rest))
 
 
 def check_values(runs: Sequence[Segment], accept: Collection[str] = ()) -> tuple[str, ...]:
@@ -48,8 +92,8 @@ def check_finite(run: Segment) -> None:
         if not finite.all():
             row = int(np.argmin(finite))
             raise RecordError(
-                f"{run.origin.at(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values); "
-                "interpolate them, or cut the record there into segments"
+                f"{run.origin.at(row)}: {name} is {values[row]} ({np.count_nonzero(~finite)} such values: nan, null, a "
+                "fill value); interpolate them, or cut the record there into segments"
             )
     if run.u_V.size < SHORTEST:
         where = run.origin.at(0) if run.samples else run.origin.source

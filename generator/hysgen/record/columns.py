@@ -144,18 +144,21 @@ class Columns:
         """
         name = re.sub(r"\[[^\]]*[:,][^\]]*\]$", "", getattr(self, role))
         _, text = split_unit(name)
-        if text is None:
+        bracketed = name.rstrip().endswith(("]", ")", ">"))
+        # "u_in" is an input, and a time may count steps or ticks.
+        if text is None or (not bracketed and plain_unit(text) not in UNITS[role] and role_may_end_in(role, text)):
             return None
         self.check_unit(role, text)
         return plain_unit(text)
 
-    def check_unit(self, role: str, unit: str) -> None:
+    def check_unit(self, role: str, unit: str, source: str = "") -> None:
         """Raises RecordError for a unit in a name or in a row of units that is none of the role's."""
         if plain_unit(unit) not in UNITS[role]:
             name = getattr(self, role)
             scaled = f"; if one {unit} is 10 {BASE[role]}, {role}_unit=10{BASE[role]}" if role != "time" else ""
+            where = f"{source}: " if source else ""
             raise RecordError(
-                f"the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {BASE[role]} "
+                f"{where}the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {BASE[role]} "
                 f'all the same, give --columns "{role}={name},{role}_unit={BASE[role]}"{scaled}'
             )
 
@@ -229,21 +232,41 @@ def conversion(role: str, unit: str) -> tuple[float, float] | None:
     return float(scaled.group(1)) * multiply, divide
 
 
+_ENDING = re.compile(r"(.+?)(?:(?:_|\s*/\s*|\s+in\s+|\s+)([^\s_/]+)|(?<=[a-z])(?!In$|Min$)([A-Z][a-z]+))")
+"""A name and what may be its unit: x_nm, x / nm, x in nm, x nm, positionCounts."""
+
+_OTHER_UNITS = re.compile(
+    r"(?i:counts?|cnts?|cts|raw|adc|dac|\d*(?:lsbs?|bits?)|codes?|digits?|dig|pulses|ticks?|steps?|px|pix|pixels?"
+    r"|fringes?|orders?|revs?|turns|per_?cent|pct|pp[mb]|%|%fs|fs|norm|normali[sz]ed|a\.?u\.?|arb|in|thou|mils?|ft|feet"
+    r"|yards?|[um\N{MICRO SIGN}]in|(?:[num\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}ckM]|micro|milli|nano|kilo|mega)?"
+    r"(?:rad|deg|grad|hz|bar|psi|ohm|strain|eps|newton|amps?|inch(?:es)?|watt|counts?|pascal|radians?|degrees?)"
+    r"|degc|d[bB][vm]?|arc_?(?:sec|min)|asec|mpa|kpa|hpa|duty|pwm)"
+    r"|[pnumk]A|[unmk]N|[munp]C|[mk]?W|m?K"
+)
+"""Units of other quantities that end a name: no stage moves by a percent or a count before its size is said."""
+
+
+def role_may_end_in(role: str, unit: str) -> bool:
+    """Whether the name of a role may end in the spelling of a unit that is none of the role's."""
+    return role == "time" or (role == "voltage" and unit == "in")
+
+
 def split_unit(name: str) -> tuple[str, str | None]:
     """A column's name without its unit, and the unit; None if the name has none.
 
-    In brackets, every text is a unit; behind "_", "/", "in" or a blank, only one that is known.
+    In brackets, every text is a unit; behind "_", "/", "in", a blank, or with a capital, only one that is known.
 
     >>> [split_unit(text) for text in ("Sensor 1 [nm]", "x_nm", "U in V", "displacement_raw", "Position (%)")]
-    [('Sensor 1', 'nm'), ('x', 'nm'), ('U', 'V'), ('displacement_raw', None), ('Position', '%')]
+    [('Sensor 1', 'nm'), ('x', 'nm'), ('U', 'V'), ('displacement', 'raw'), ('Position', '%')]
     """
     text = re.sub(r"(?<=[\])>])\.\d+$", "", name.strip())
     bracketed = re.fullmatch(r"(.*?)[\s_]*(?:\[([^\[\]:,]*)\]|\(([^()]*)\)|<([^<>]*)>)", text)
     if bracketed and not re.fullmatch(r"-?\d+", unit := next(one for one in bracketed.groups()[1:] if one is not None)):
         return bracketed.group(1), unit.strip() or None
-    ending = re.fullmatch(r"(.+?)(?:_|\s*/\s*|\s+in\s+|\s+)([^\s_/]+)", text)
-    if ending and any(plain_unit(ending.group(2)) in units for units in UNITS.values()):
-        return ending.group(1), ending.group(2)
+    if ending := _ENDING.fullmatch(text):
+        unit = ending.group(2) or ending.group(3)
+        if any(plain_unit(unit) in units for units in UNITS.values()) or _OTHER_UNITS.fullmatch(unit):
+            return ending.group(1), unit
     return text, None
 
 

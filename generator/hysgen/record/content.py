@@ -12,12 +12,13 @@ import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.array_names import chosen_arrays
-from hysgen.record.checks import check_finite, check_values
+from hysgen.record.checks import check_finite, check_marks, check_values
 from hysgen.record.columns import Columns, nearest
 from hysgen.record.formats import FileArrays
 from hysgen.record.further import kept, left_out
+from hysgen.record.names import doubts as doubts_of_units
 from hysgen.record.overflow import mended
-from hysgen.record.relation import rate, relation, scale
+from hysgen.record.relation import held, rate, relation, scale
 from hysgen.record.runs import at_gaps, runs_of_arrays, shifted
 from hysgen.record.sampling import JITTER, rounding_line, sampling_period
 from hysgen.record.segment import Segment
@@ -103,6 +104,8 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
     mends = [mended(run, *units) for run in runs]
     runs = [run for run, _ in mends]
     remarks = (*remarks, *(line for _, lines in mends for line in lines))
+    multiply, divide = columns.scale("voltage")
+    check_marks(runs, multiply / divide, units[1])
     for run in runs:
         check_finite(run)
     if split_at_gaps:
@@ -120,10 +123,14 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
     doubts = list(rate(source, Ts_s))
     if not any("exchanged" in line for line in warnings):
         doubts += relation(runs, Ts_s)
+    doubts += held(runs, Ts_s)
     if columns.displacement_unit is None and columns.unit("displacement") == "um":
         doubts += scale(runs)
     segments = [Segment(run.name, run.u_V, run.y_um, run.aux, float(run.stamps_s[:1].sum())) for run in runs]
-    named = (f"{source}: {line.removeprefix(f'{source}: ')}" for line in (*columns.remarks(), *remarks))
+    named = (
+        f"{source}: {line.removeprefix(f'{source}: ')}"
+        for line in (*columns.remarks(), *doubts_of_units(columns), *remarks)
+    )
     return segments, Ts_s, source, (*named, *dropped, *warnings, *doubts)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -54,6 +55,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
         raise RecordError(f"{layout.source}: holds a header and no rows; record some samples")
+    layout, empty = _without_empty_columns(layout)
     given = columns
     stated_s = _stated_period(layout, columns)
     if stated_s is not None:
@@ -63,6 +65,9 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     else:
         columns, guess = _by_position(columns, layout, source)
     _check_named_once(layout, columns, given)
+    for role in ROLES:
+        if (name := getattr(columns, role)) in empty:
+            raise RecordError(f"{source}: {role} column {name} is empty in every row; name another: {role}=NAME")
     stated = {role: _stated_unit(layout, first_row, columns, role) for role in ROLES}
     units = {role: unit for role, unit in stated.items() if unit and getattr(columns, f"{role}_unit") is None}
     for role in ROLES:
@@ -78,6 +83,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     wanted.update(name for _, name in columns.aux_pairs() or ())
     wanted.discard("")
     use, remarks = [], [*padding, *export, *form, *layout.remarks, *([guess] if guess else [])]
+    remarks += (f"{source}: column {name} is empty in every row and is left out" for name in empty if layout.headed)
     if stated_s is not None:
         remarks.append(f"{source}: is sampled every {stated_s:g} s, as the lines above the table say")
     remarks += (
@@ -105,6 +111,17 @@ def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
     return "\n".join((",".join(columns), *map(",".join, body), ""))
 
 
+def _without_empty_columns(layout: Layout) -> tuple[Layout, tuple[str, ...]]:
+    """The layout in which columns without a value in any row have no name, and their names."""
+    empty = [at for at, name in enumerate(layout.names) if name]
+    for _, fields in layout.rows():
+        empty = [at for at in empty if at >= len(fields) or not fields[at]]
+        if not empty:
+            return layout, ()
+    names = tuple("" if at in empty else name for at, name in enumerate(layout.names))
+    return replace(layout, names=names), tuple(layout.names[at] for at in empty)
+
+
 def _stated_unit(layout: Layout, first_row: Sequence[str], columns: Columns, role: str) -> str | None:
     """The unit of a role in the first row's cell or in the row of units. Raises RecordError if the name has another."""
     name = getattr(columns, role)
@@ -124,9 +141,16 @@ def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
     """Raises RecordError for a table with a value a row, and a column that says what the value is."""
     if {columns.voltage, columns.displacement} <= set(layout.names):
         return
-    rows = [fields for _, (_, fields) in zip(range(50), layout.rows(), strict=False)]
+    every = [fields for _, fields in layout.rows()]
+    rows = every[:50]
     for at, name in enumerate(layout.names):
         held = sorted({fields[at] for fields in rows if at < len(fields)})
+        blocks = [key for key, _ in itertools.groupby(fields[at] for fields in every if at < len(fields))]
+        if len(layout.names) <= 3 and 2 <= len(blocks) == len(set(blocks)) <= 16:
+            raise RecordError(
+                f"{layout.source}: column {name} numbers what each row holds ({', '.join(blocks[:6])}): the channels "
+                "stand one below the other; give each its own column, one row for each sample"
+            )
         if 2 <= len(held) < len(rows) // 2 and all(quantity(one, layout.comma) is None for one in held):
             raise RecordError(
                 f"{layout.source}: column {name} names what each row holds ({', '.join(held[:6])}); "
@@ -181,12 +205,12 @@ def _by_position(columns: Columns, layout: Layout, source: str) -> tuple[Columns
                 (
                     name
                     for at, name in enumerate(layout.names)
-                    if _rises_evenly([row[at] for row in rows if at < len(row)], layout)
+                    if name and _rises_evenly([row[at] for row in rows if at < len(row)], layout)
                 ),
                 None,
             )
         )
-        others = [name for name in layout.names if name != rising]
+        others = [name for name in layout.names if name not in (rising, "")]
         if len(others) >= 2:
             roles = {"voltage": others[0], "displacement": others[1]} | ({"time": rising} if rising else {})
             chosen = columns.named(roles)

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
-from hysgen.record.checks import check_values
+from hysgen.record.checks import check_marks, check_values
 from hysgen.record.columns import Columns
 from hysgen.record.content import parts_of_frame
-from hysgen.record.relation import rate, relation, scale
+from hysgen.record.relation import held, rate, relation, scale
 from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
 
 LONGEST_PERIOD_S = 100.0
@@ -97,10 +97,13 @@ class Record(Displayed):
             raise RecordError(
                 f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
             )
+        check_marks([run])
         warnings = check_values([run], accept)
         swapped = any("exchanged" in line for line in warnings)
         related = () if swapped else relation([run], Ts_s)
-        return cls.from_segments([run], Ts_s, source, (*warnings, *related, *scale([run]), *rate(source, Ts_s)))
+        return cls.from_segments(
+            [run], Ts_s, source, (*warnings, *related, *held([run], Ts_s), *scale([run]), *rate(source, Ts_s))
+        )
 
     @classmethod
     def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:

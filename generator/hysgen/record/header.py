@@ -7,12 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hysgen.record.columns import UNITS, plain_unit
-from hysgen.record.lines import CANDIDATES, is_data, split, split_header, without_comment
+from hysgen.record.lines import CANDIDATES, has_label, is_data, split, split_header
 from hysgen.record.names import roles_in
 from hysgen.record.spelling import is_clock, quantity
 
-HEADER_LINES = 6
+HEADER_LINES = 12
 """Lines above the table among which the header is looked for."""
+
+
+LEAST_ROLES = 2
+"""Roles among the words of a comment, divided otherwise than the rows are, from which on they are names, not prose."""
 
 
 @dataclass(frozen=True)
@@ -28,23 +32,30 @@ class Start:
 def header(lines: Sequence[str], above: Sequence[int], start: Start) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The names above the first row of numbers, and their units from a row of units; () for what is not there.
 
-    The nearest line with as many fields, unless one directly above names more roles, two of them at least.
+    The nearest line with as many fields, unless one directly above names more roles, two of them at least. Comments
+    that have another number of fields are passed over.
     """
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
-    below = None
-    for at in reversed(above[-HEADER_LINES:]):
-        fields = matching(lines[at], start)
+    below, prose = None, False
+    near = {*above[-HEADER_LINES:]}
+    for at in reversed([at for at in above if at in near or has_label(lines[at])]):
+        fields, comment = matching(lines[at], start), not is_data(lines[at])
         if not fields or all(re.fullmatch(r"[\d.,+-]*", one) for one in fields):
+            if comment:
+                continue  # a rule, the number of rows, a remark
             break
         # Behind a blank line the preamble begins.
-        if names and below is not None and at < below - 1:
+        if names and (roles_in(names) or not comment) and below is not None and at < below - 1:
             break
         below = at
         if are_units(fields) and (names or at != above[0]):
             units = units or fields
         elif roles_in(unique(fields)) > max(1, roles_in(names)) or not names:
             names = unique(fields)
+            prose = comment and len(split_header(lines[at], start.separator)) != start.fields
+    if prose and roles_in(names, units_by_name(names, units) if units else {}) < LEAST_ROLES:
+        return (), ()
     return names, units
 
 
@@ -63,13 +74,13 @@ def is_value(text: str) -> bool:
 
 def matching(line: str, start: Start) -> tuple[str, ...]:
     """The fields of a line if they are as many as those of the rows; a trailing field may be missing or empty."""
-    bare = without_comment(line)
-    separators = [start.separator, *(one for one in CANDIDATES if one != start.separator and start.separator == " ")]
+    free = start.separator == " " or not is_data(line)
+    separators = [start.separator, *(one for one in CANDIDATES if one != start.separator and free)]
     for separator in separators:
-        fields = split_header(bare, separator)
+        fields = split_header(line, separator)
         if len(fields) == start.fields + 1 and (not fields[-1] or fields[-1].lower() == "comment"):
             fields = fields[:-1]
-        if len(fields) == start.fields - 1:
+        if len(fields) == start.fields - 1 and separator == start.separator:
             fields = (*fields, "")
         if len(fields) == start.fields and any(fields):
             return fields

@@ -33,7 +33,10 @@ def read_json(path: Path) -> dict[str, Array]:
     arrays = {}
     for name, values in _columns(content).items():
         try:
+            # null, which JSON has for NaN, becomes NaN among numbers
             array = np.asarray(values)
+            if array.dtype.kind == "O" and {*map(type, array.ravel())} <= {int, float, type(None)}:
+                array = array.astype(np.float64)
         except ValueError:  # rows of unequal length
             continue
         if array.dtype.kind in "fiub" and array.ndim <= 1:

@@ -167,19 +167,21 @@ def _named_header(lines: list[str], columns: Columns, given: str | None) -> tupl
     """Line and separator of the line that names the voltage and the displacement; it may be a comment."""
     for at, line in enumerate(lines):
         if columns.voltage in line and columns.displacement in line:
-            bare = without_comment(line)
             for separator in [given] if given else CANDIDATES:
-                fields = split_header(bare, separator)
+                fields = split_header(line, separator)
                 if {columns.voltage, columns.displacement} <= set(fields):
                     if labels_names(fields):
                         return None  # the preamble gives the names
-                    return (at, separator) if is_data(line) or _numbers_follow(lines, at, separator) else None
+                    if is_data(line) or _numbers_follow(lines, at, separator, len(fields)):
+                        return at, separator
+                    break
     return None
 
 
-def _numbers_follow(lines: list[str], at: int, separator: str) -> bool:
-    after = next((line for line in lines[at + 1 :] if is_data(line)), "")
-    return any(quantity(one, comma=separator != "," and "," in one) is not None for one in split(after, separator))
+def _numbers_follow(lines: list[str], at: int, separator: str, count: int) -> bool:
+    """Whether the next row has `count` fields by this separator, and a number in one of them."""
+    row = split(next((line for line in lines[at + 1 :] if is_data(line)), ""), separator)
+    return len(row) == count and any(quantity(one, comma=separator != "," and "," in one) is not None for one in row)
 
 
 def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> Start | None:

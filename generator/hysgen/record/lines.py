@@ -40,9 +40,30 @@ def split(line: str, separator: str) -> list[str]:
     return [one.strip() for one in fields]
 
 
+_LABEL = re.compile(r"(?:columns?|names?|fields?|header|channels?|signals?|labels?|units?)(?:\s+\w+)?\s*[:=]\s*", re.I)
+"""What may stand before the names in a comment."""
+
+_WORDS = re.compile(r'(?:"[^"]*"|[^\s"]+)(?:\s*[\[(][^\])]*[\])])?')
+"""A name between blanks, in quotes or with its unit in brackets behind it."""
+
+
 def split_header(line: str, separator: str) -> tuple[str, ...]:
-    """The names of a header, which may be a comment."""
-    return tuple(split(without_comment(line), separator))
+    """The names of a header, which may be a comment with a label before them.
+
+    >>> split_header('# columns: Time (s) "Drive voltage" z', " ")
+    ('Time (s)', 'Drive voltage', 'z')
+    """
+    bare = without_comment(line)
+    label = _LABEL.match(bare)
+    bare = bare[label.end() :] if label else bare
+    if separator == " ":
+        return tuple(name.strip('"') for name in _WORDS.findall(bare))
+    return tuple(split(bare, separator))
+
+
+def has_label(line: str) -> bool:
+    """Whether a line says that names or units follow in it."""
+    return _LABEL.match(without_comment(line)) is not None
 
 
 def without_comment(line: str) -> str:

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeVar
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import OWN, UNITS, Columns, plain_unit, split_unit
+from hysgen.record.columns import BASE, OWN, UNITS, Columns, plain_unit, role_may_end_in, split_unit
 
 WORDS: dict[str, tuple[str, ...]] = {
     "time": (
@@ -94,11 +95,41 @@ WORDS: dict[str, tuple[str, ...]] = {
 
 ROLES = tuple(WORDS)
 
+Entry = TypeVar("Entry")
+
 PART = 3
 """Letters of a word that counts inside a longer one."""
 
 WANTED = ("target", "setpoint", "set", "demand", "desired", "reference", "soll", "sollwert", "consigne", "error")
 """Words of a displacement that was asked for or missed, not measured: it is chosen where there is no other."""
+
+
+PLAIN = frozenset(
+    re.findall(
+        r"\w+",
+        "sensor filtered filter filt smoothed measured meas actual act ist real mon monitor channel axis stage piezo "
+        "mirror probe signal data value read readback cap capacitive strain gauge encoder interferometer laser amp "
+        "amplifier hv ctrl control closed open loop fb feedback left right top bottom front back upper lower total abs "
+        "rel mean avg average calibrated cal corrected new old final log in out",
+    )
+)
+"""Words behind a name that are taken for no unit."""
+
+
+def doubts(columns: Columns) -> tuple[str, ...]:
+    """A line for each voltage and displacement whose name ends in a word that may be a unit."""
+    lines = []
+    for role in ("voltage", "displacement"):
+        name = getattr(columns, role)
+        if getattr(columns, f"{role}_unit") is not None or columns.unit_in_name(role) is not None:
+            continue
+        words = re.findall(r"[^\W_]+", re.sub(r"\[[^\]]*[:,][^\]]*\]$", "", name))
+        last = words[-1] if len(words) > 1 else ""
+        plain = last.lower() in PLAIN or any(map(str.isdigit, last)) or last in "xyzuvrXYZUVR"
+        if not plain and not any(last.lower() in roles for roles in WORDS.values()) and not _compound(last.lower()):
+            base = BASE[role]
+            lines.append(f"{name} is read in {base}; if '{last}' is its unit, say what one is: {role}_unit=10{base}")
+    return tuple(lines)
 
 
 def words_of(name: str) -> tuple[str, ...]:
@@ -200,21 +231,25 @@ def _best(role: str, names: Sequence[str], units: Mapping[str, str]) -> list[str
     own = {name: plain_unit(split_unit(name)[1] or units.get(name, "")) for name in names}
     ranked = []
     for name, unit in own.items():
-        if unit and unit not in UNITS[role] and any(unit in units for units in UNITS.values()):
+        other = bool(unit) and unit not in UNITS[role] and not role_may_end_in(role, unit)
+        if other and any(unit in units for units in UNITS.values()):
             continue  # a length is no voltage, whatever it is called
         ranks = [WORDS[role].index(word) for word in words_of(name) if word in WORDS[role]]
         ranks = ranks or [len(WORDS[role]) for word in words_of(name) if _compound(word) == {role}]
         if ranks:
-            ranked.append((min(ranks), len(words_of(name)), name))
-    if role == "displacement":
-        measured = [one for one in ranked if not set(words_of(one[2])) & set(WANTED)]
-        ranked = measured or ranked
+            ranked.append((other, min(ranks), len(words_of(name)), name))
     if ranked:
-        least = min(ranked)[:2]
+        ranked = _measured(role, ranked, lambda entry: entry[-1])
+        least = min(ranked)[:-1]
         return [name for *rank, name in ranked if tuple(rank) == least]
-    return [name for name, unit in own.items() if unit in UNITS[role]] or [
-        name for name in names if _unit_alone(name) in UNITS[role]
-    ]
+    by_unit = _measured(role, [name for name, unit in own.items() if unit in UNITS[role]], str)
+    return by_unit or [name for name in names if _unit_alone(name) in UNITS[role]]
+
+
+def _measured(role: str, entries: list[Entry], name_of: Callable[[Entry], str]) -> list[Entry]:
+    """The entries without displacements that were asked for or missed, unless all are."""
+    measured = [entry for entry in entries if role != "displacement" or not set(words_of(name_of(entry))) & set(WANTED)]
+    return measured or entries
 
 
 def _compound(word: str) -> set[str]:

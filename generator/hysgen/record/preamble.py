@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from hysgen.record.columns import UNITS, plain_unit
 from hysgen.record.spelling import number
 
-NAME_LABELS = ("tracename", "trace name", "signal name", "channel name", "path")
+NAME_LABELS = ("tracename", "trace name", "signal name", "channel name", "path", "columns", "column names", "fields")
 UNIT_LABELS = ("vunit", "vertical units", "unit", "units", "einheit")
 HORIZONTAL_LABELS = ("horizontal units", "hunit")
 PERIOD_LABELS = (
@@ -109,13 +109,25 @@ def _alternating(cells: Sequence[Sequence[str]], label: str, fields: int) -> tup
 _TIME_UNIT = re.compile(r"SampleTime\[(\w+)\]")
 
 
+_NUMBER_AND_NAME = re.compile(
+    r"(?:(?:name|columns?|col|channel|ch|field|signal|var)[.\s]*[\[(#]?(\d+)[\])]?\s*[:=.)-]?"
+    r"|[\[(#](\d+)[\])]?\s*[:=.-]?|(\d+)\s*[:=)-])\s*(\S.*)",
+    re.IGNORECASE,
+)
+"""One column a line: NAME0 = Drive, [0] time [s], Column 1: time, 1 = time."""
+
+
 def _numbered(lines: Sequence[str], fields: int) -> tuple[str, ...]:
-    """The names of a GCS array."""
+    """The names of a table with a line for each column, counted from 0 or 1."""
     names = {}
     for line in lines:
-        if name := re.match(r"NAME(\d+)\s*=\s*(.+)", line):
-            names[int(name.group(1))] = name.group(2).strip()
-    return tuple(names[key] for key in sorted(names)) if len(names) == fields else ()
+        if found := _NUMBER_AND_NAME.fullmatch(line):
+            *numbers, name = found.groups()
+            bare, _, unit = name.strip().strip('"').rpartition(",")
+            known = bare and any(plain_unit(unit) in units for units in UNITS.values())
+            names[int(next(filter(None, numbers)))] = f"{bare} [{unit.strip()}]" if known else name.strip().strip('"')
+    counted = sorted(names)
+    return tuple(names[key] for key in counted) if counted in ([*range(fields)], [*range(1, fields + 1)]) else ()
 
 
 def _period(lines: Sequence[str], separator: str) -> float | None:

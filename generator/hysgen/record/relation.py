@@ -45,6 +45,10 @@ than 60 degrees at one frequency. A time constant of 1 ms has 32 at 100 Hz, hyst
 LONGEST_STROKE_UM, SHORTEST_STROKE_UM = 1000.0, 2e-3
 """Strokes of piezo stages: flexure stages reach 1 mm, and 2 nm is the noise of a sensor."""
 
+REPEATS, REGULAR, FEWEST_CHANGES = 0.4, 0.9, 20
+"""Share of rows that repeat the displacement, share of equally long holds, and changes, from which on a sensor is
+slower than the log."""
+
 SLOWEST_HZ, FASTEST_HZ = 100.0, 20e6
 """Sampling rates outside of which the unit of the time is in doubt."""
 
@@ -157,6 +161,30 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
             f"{names} runs {abs(lag.samples)} samples{time} {lag.way} {drive}, lag and hysteresis of the stage "
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
             f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
+        )
+
+
+def held(runs: Sequence[Segment], Ts_s: float) -> Iterator[str]:
+    """A line for a sensor that is read less often than the log is written: it holds each value for equally many rows.
+
+    Rows at which the voltage rests do not count; a sensor of few bits changes by its resolution, at any row.
+    """
+    run = max(runs, key=lambda part: part.samples)
+    steps, moves = np.diff(run.y_um), np.diff(run.u_V) != 0.0
+    changes = np.flatnonzero(steps)
+    repeats = float(np.mean(steps[moves] == 0.0)) if moves.any() else 0.0
+    if repeats < REPEATS or changes.size < FEWEST_CHANGES:
+        return
+    holds = np.diff(changes)
+    rows = int(np.median(holds))
+    sizes = np.abs(steps[changes])
+    regular = np.mean((holds % rows == 0) | ((rows > 2) & (np.abs(holds - rows) <= 1))) if rows > 1 else 0.0
+    if regular >= REGULAR and np.mean(sizes < 1.5 * sizes.min()) < 0.5:
+        ordinal = {2: "2nd", 3: "3rd"}.get(rows, f"{rows}th")
+        yield (
+            f"{run.origin.source}: {run.origin.displacement} repeats its last value in {100.0 * repeats:.0f} % of the "
+            f"rows while {run.origin.voltage} moves: the sensor is read every {rows * Ts_s:.3g} s; take every "
+            f"{ordinal} row, from {run.origin.locate(int(changes[0]) + 1)} on"
         )
 
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.arrays import Array, find, key_of
-from hysgen.record.columns import Columns, nearest
+from hysgen.record.columns import Columns, nearest, split_unit
 from hysgen.record.csv_text import CsvTable
-from hysgen.record.names import to_paste
+from hysgen.record.names import WORDS, to_paste, words_of
 from hysgen.record.sampling import GAP, gap_rows
 from hysgen.record.segment import NO_STAMPS, Origin, Segment, index_of, series_of
 
@@ -37,6 +37,10 @@ def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
 
     def column(role: str, name: str) -> NDArray[np.float64]:
         if name not in there:
+            # A column may have the word of the role, and the unit of another quantity.
+            for other in table.names if role in ("voltage", "displacement") and len(table.names) > 1 else ():
+                if set(words_of(other)) & set(WORDS[role]) and (unit := split_unit(other)[1]):
+                    columns.named({role: other}).check_unit(role, unit, source)
             cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
             if role == "time":
                 cure += " or, without time stamps, --columns Ts_s=SECONDS"
