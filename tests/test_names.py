@@ -15,7 +15,7 @@ from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
-from hysgen.export import TARGETS, export_texts
+from hysgen.export import export_texts, exports
 from hysgen.export.fmu import _binary
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.host import HostImage
@@ -98,7 +98,7 @@ def test_every_external_name_of_generated_code_has_a_prefix(tmp_path: Path) -> N
     model = exported_folders.model()
     host = Host(model.name, generate(model))
     facts = {"name": model.name, "NAME": model.name.upper()}
-    folders: dict[str, Mapping[str, str]] = {t: export_texts(model, t) for t in TARGETS}
+    folders: dict[str, Mapping[str, str]] = {t: export_texts(model, t) for t in exports()}
     folders["drivers"] = {
         **c_files(generate(model)),
         "driver.c": render(
@@ -129,7 +129,7 @@ def test_every_external_name_of_generated_code_has_a_prefix(tmp_path: Path) -> N
     assert {f"{model.name}_predict", "hysgen_driver_learn", "hysgen_endurance_run", "hysgen_reset"} <= seen
 
 
-def exports(library: Path) -> set[str]:
+def exported_names(library: Path) -> set[str]:
     """Names in the dynamic symbol table of a library; gcc adds `f.resolver` to a function that it compiled twice."""
     nm = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
     return {name for line in nm.splitlines() if "." not in (name := line.split()[-1].split("@")[0])}
@@ -145,14 +145,14 @@ def test_a_host_library_exports_what_is_called_and_nothing_else(tmp_path: Path) 
     drivers = {"hysgen_driver_flushes", "hysgen_driver_commit", *(f"hysgen_driver_{entry}" for entry in host.entries)}
     called = {f"hysgen_firmware_{f}" for f in ("boot", "interrupt", "idle", "status")} | {"hysgen_host_run"}
     stage = {"hysteresis_clear", "hysteresis_move", "hysteresis_path", "plant_rest", "plant_run", "plant_step"}
-    assert exports(firmware_bench.image().library.path) == called
-    assert exports(host._library.path) == public | drivers
-    assert exports(CompiledLearner(model)._library.path) == public | {"hysgen_endurance_run"}
-    assert exports(state.plant().path) == stage
-    assert exports(compiled({}).path) == {"c674x_run"}
+    assert exported_names(firmware_bench.image().library.path) == called
+    assert exported_names(host._library.path) == public | drivers
+    assert exported_names(CompiledLearner(model)._library.path) == public | {"hysgen_endurance_run"}
+    assert exported_names(state.plant().path) == stage
+    assert exported_names(compiled({}).path) == {"c674x_run"}
     folder = Path(kernels.__file__).parent
     declared = {n for path in folder.glob("*.py") for n in re.findall(r"\.lib\.(\w+)", path.read_text("utf-8"))}
-    assert exports(build_kernels(folder, default_toolchain().command, tmp_path)) == declared
+    assert exported_names(build_kernels(folder, default_toolchain().command, tmp_path)) == declared
 
 
 @pytest.mark.slow
@@ -163,7 +163,7 @@ def test_an_fmu_exports_the_functions_of_fmi_and_nothing_else(tmp_path: Path) ->
         sources = {n.removeprefix(folder): text for n, text in texts.items() if n.startswith(folder)}
         library = tmp_path / f"fmi{standard}.so"
         library.write_bytes(_binary(standard, sources))
-        names = exports(library)
+        names = exported_names(library)
         assert f"fmi{standard}DoStep" in names
         assert [n for n in sorted(names) if not re.fullmatch(rf"fmi{standard}[A-Z]\w*", n)] == []
 

@@ -29,7 +29,7 @@ from hysgen.codegen.manifest import read_folder
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.display import Displayed, Summary
-from hysgen.errors import FitError, HysgenError, RecordWarning
+from hysgen.errors import FitError, RecordWarning
 from hysgen.firmware.binding import firmware_model, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.firmware.link import BAUD, Client, open_line
@@ -172,14 +172,11 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
 def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:
     """Write a folder for another tool, with its binaries. Returns the paths of its files.
 
-    target: sfunction, fmu, a2l, cmake, shared or cortexm. Raises HysgenError for any other, BuildError without a
-    compiler.
+    target: sfunction, fmu, a2l, cmake, shared, cortexm, or the name of an export that was added. Raises HysgenError for
+    any other, BuildError without a compiler.
     """
     from hysgen import export
 
-    if target not in export.TARGETS:
-        known = ", ".join(export.TARGETS)
-        raise HysgenError(f"{target}: is no target{nearest(target, export.TARGETS)}; choose from {known}")
     return export.write_export(model_of(model), target, Path(folder), options)
 
 

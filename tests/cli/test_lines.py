@@ -518,7 +518,7 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
         main(["export", "appendix_a", "--to", "a2l", "-o", "d", "--elf", "e", "--instance", "i", "--learner", "l"]) == 0
     )
     target, options, source = given[-1][1:]
-    assert (target, source) == ("a2l", export.A2lSource(Path("e"), "i", "l"))
+    assert (target, source) == ("a2l", {"elf": "e", "instance": "i", "learner": "l"})
     assert options == export.code_options(parser(["generate"]).parse_args(["generate", "m", "-o", "d"]))
     for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
         assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2

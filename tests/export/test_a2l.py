@@ -15,7 +15,7 @@ from hysgen.checking.proof.eva.boxes import state_box
 from hysgen.codegen import tables
 from hysgen.codegen.structs import interface
 from hysgen.errors import BuildError
-from hysgen.export import A2lSource, write_export
+from hysgen.export import write_export
 from hysgen.export.a2l import LARGEST, Description, Elf, describe, read_elf
 
 
@@ -93,12 +93,12 @@ def table_of(here: Path, name: str) -> tuple[int, ...]:
 def test_an_elf_that_does_not_fit_is_refused(folder: Path, tmp_path: Path) -> None:
     elf = exported(folder, "a2l") / f"{NAME}.elf"
     with pytest.raises(BuildError, match="no such variable; name it with --instance"):
-        write_export(model(), "a2l", tmp_path, source=A2lSource(elf, "other"))
+        write_export(model(), "a2l", tmp_path, given={"elf": str(elf), "instance": "other"})
     with pytest.raises(BuildError, match=r"has \d+ bytes in the ELF, \d+ in the model"):
-        write_export(model(), "a2l", tmp_path, source=A2lSource(elf, f"{NAME}_learner"))
+        write_export(model(), "a2l", tmp_path, given={"elf": str(elf), "instance": f"{NAME}_learner"})
     (tmp_path / "text").write_text("no ELF")
     with pytest.raises(BuildError, match="is no ELF file"):
-        write_export(model(), "a2l", tmp_path, source=A2lSource(tmp_path / "text"))
+        write_export(model(), "a2l", tmp_path, given={"elf": str(tmp_path / "text")})
 
 
 def laid_out(base: int = 0x1000, *, little_endian: bool = True, learner: bool = True) -> tuple[Description, Elf]:
@@ -165,8 +165,8 @@ def test_a_program_of_the_user_may_lack_the_learner(
 ) -> None:
     _, elf = laid_out()
     symbols = {name: place for name, place in elf.symbols.items() if known or name != f"{NAME}_learner"}
-    monkeypatch.setattr("hysgen.export.read_elf", lambda _: Elf(symbols, True))
-    write_export(model(), "a2l", tmp_path, source=A2lSource(Path("own.elf")))
+    monkeypatch.setattr("hysgen.export.a2l.read_elf", lambda _: Elf(symbols, True))
+    write_export(model(), "a2l", tmp_path, given={"elf": "own.elf"})
     text = (tmp_path / f"{NAME}.a2l").read_text()
     assert f"{NAME}_instance.y_um" in text
     assert (f"{NAME}_learner." in text) is known

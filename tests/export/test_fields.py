@@ -16,7 +16,7 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
-from hysgen.export import a2l, check, export_texts, fmu, write_export
+from hysgen.export import a2l, base, check, export_texts, fmu, shared, write_export
 from hysgen.export.component import MODES, component_facts, exact
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
@@ -231,7 +231,7 @@ def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_fa
     component = check.Reference.compile(model(), Options())
 
     def other(places: list[tuple[int, int]]) -> Any:
-        def run(_: Any, __: Path, samples: check.Samples) -> Any:
+        def run(_: Any, __: Path, samples: base.Samples) -> Any:
             words = component.run(samples).copy()
             for row, column in places:
                 words[row, column] ^= 1
@@ -240,7 +240,7 @@ def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_fa
         return run
 
     ways = {"equal": other([]), "wrong": other([(0, 0), (3, 1), (7, 0), (7, 1)])}
-    monkeypatch.setitem(check.RUNNERS, "shared", ways)  # type: ignore[arg-type]
+    monkeypatch.setattr(check, "export_of", lambda _: SimpleNamespace(ways=ways))
     progress: list[tuple[float, str]] = []
     found = check.compare(model(), "shared", tmp_path, 20, None, lambda *step: progress.append(step))
     assert [(line.target, line.mode, line.samples, line.differ) for line in found] == [
@@ -250,24 +250,26 @@ def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_fa
         ((m + r / 2) / 4, f"{way}, mode {mode.name}") for m, mode in enumerate(MODES) for r, way in enumerate(ways)
     ]
     assert str(found[1]) == "wrong          predict   20 samples, 3 differ"
-    monkeypatch.setitem(check.RUNNERS, "shared", {"short": lambda *_: np.zeros((19, 2), np.uint32)})  # type: ignore[arg-type]
+    monkeypatch.setattr(
+        check, "export_of", lambda _: SimpleNamespace(ways={"short": lambda *_: np.zeros((19, 2), np.uint32)})
+    )
     with pytest.raises(BuildError, match="short, mode predict: 19 of 20 samples came back"):
         check.compare(model(), "shared", tmp_path, 20)
     missing = dataclasses.replace(MODES[0], number=9, name="none")
     with pytest.raises(BuildError, match="has no mode none"):
-        component.run(check.Samples(missing, np.float32(0), np.float32(0), np.zeros((1, 4), np.uint32)))
+        component.run(base.Samples(missing, np.float32(0), np.float32(0), np.zeros((1, 4), np.uint32)))
 
 
 def test_a_tool_that_is_missing_or_fails_is_named_with_its_last_words(tmp_path: Path) -> None:
-    assert check._run(["sh", "-c", "cat; pwd"], tmp_path, b"in ") == f"in {tmp_path}\n".encode()
+    assert base.output_of(["sh", "-c", "cat; pwd"], tmp_path, b"in ") == f"in {tmp_path}\n".encode()
     with pytest.raises(BuildError, match="no-such-tool is not installed: this target was not compared"):
-        check._run(["no-such-tool"], tmp_path)
+        base.output_of(["no-such-tool"], tmp_path)
     with pytest.raises(BuildError, match=r"^sh -c echo a >&2; echo b >&2; echo c; exit 3: b$"):
-        check._run(["sh", "-c", "echo a >&2; echo b >&2; echo c; exit 3"], tmp_path)
+        base.output_of(["sh", "-c", "echo a >&2; echo b >&2; echo c; exit 3"], tmp_path)
     with pytest.raises(BuildError, match=r"^sh -c exit 3: exit code 3$"):
-        check._run(["sh", "-c", "exit 3"], tmp_path)
+        base.output_of(["sh", "-c", "exit 3"], tmp_path)
     rows = np.arange(6, dtype=np.uint32)
-    assert check._three(rows.tobytes()).tolist() == [[0, 1], [3, 4]]
+    assert base.results(rows.tobytes()).tolist() == [[0, 1], [3, 4]]
 
 
 def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -276,13 +278,11 @@ def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest
     assert sorted(written) == sorted(path for path in tmp_path.rglob("*") if path.is_file())
     rows = np.zeros((1, 3), np.uint32)
     with pytest.raises(BuildError, match="the shared library has no mode inverse"):
-        check.run_shared(plain, tmp_path, check.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
+        shared.run_shared(plain, tmp_path, base.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
     (tmp_path / "Makefile").write_text("all:\n\t@echo broken >&2; false\n")
-    from hysgen import export
-
     with pytest.raises(BuildError, match=r"make all: broken$"):
-        export._make(tmp_path, "all")
-    monkeypatch.setattr(export, "default_toolchain", lambda: SimpleNamespace(command="gcc"))
+        base.make(tmp_path, "all")
+    monkeypatch.setattr(base, "default_toolchain", lambda: SimpleNamespace(command="gcc"))
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BuildError, match="make is not installed; install it"):
-        export._make(tmp_path, "all")
+        base.make(tmp_path, "all")

@@ -15,9 +15,9 @@ from fixtures.exported_folders import NAME, exported, model
 from fixtures.tools import library
 from hysgen.codegen import Options
 from hysgen.errors import HysgenError
-from hysgen.export.check import Reference, inputs, run_fmu
+from hysgen.export.check import Reference, inputs
 from hysgen.export.component import MODES
-from hysgen.export.fmu import archive
+from hysgen.export.fmu import archive, run_fmu
 
 
 @pytest.mark.parametrize("standard", [2, 3])

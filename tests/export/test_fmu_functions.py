@@ -94,6 +94,11 @@ int fmi3DoStep(void *, double, double, bool, bool *, bool *, bool *, double *); 
 int fmi3SetDebugLogging(void *, bool, size_t, void *); int fmi3SetTime(void *, double);
 int fmi3GetFloat64(void *, const uint32_t *, size_t, double *, size_t); int fmi3EnterConfigurationMode(void *);
 void *fmi3InstantiateModelExchange(const char *, const char *, const char *, bool, bool, void *, void *);
+int fmi3SetFloat64(void *, const uint32_t *, size_t, double *, size_t);
+int fmi3GetString(void *, const uint32_t *, size_t, void *, size_t);
+int fmi3SetString(void *, const uint32_t *, size_t, void *, size_t);
+int fmi3GetBinary(void *, const uint32_t *, size_t, void *, void *, size_t);
+int fmi3GetClock(void *, const uint32_t *, size_t, void *); int fmi3SetClock(void *, const uint32_t *, size_t, void *);
 """
 
 
@@ -436,5 +441,14 @@ def test_fmi_3_refuses_what_it_does_not_offer_by_name() -> None:
     fmu = Fmu(3)
     fmu.refuses(fmu.call("SetTime", 1.0), "fmi3SetTime: not offered")
     fmu.refuses(fmu.call("EnterConfigurationMode"), "fmi3EnterConfigurationMode: not offered")
-    fmu.refuses(fmu.call("GetFloat64", [1], 1, fmu.ffi.new("double *"), 1), "fmi3GetFloat64: not offered")
     assert fmu.call("SetDebugLogging", True, 0, fmu.ffi.NULL) == OK
+
+
+def test_fmi_3_takes_an_empty_list_of_a_type_without_variables_and_refuses_any_other() -> None:
+    fmu, null = Fmu(3), Fmu(3).ffi.NULL
+    for name in ("GetFloat64", "SetFloat64", "GetString", "SetString"):
+        assert fmu.call(name, null, 0, null, 0) == OK
+        fmu.refuses(fmu.call(name, [1], 1, null, 1), f"fmi3{name}: no such variable")
+    assert fmu.call("GetBinary", null, 0, null, null, 0) == OK
+    assert fmu.call("SetClock", null, 0, null) == OK
+    fmu.refuses(fmu.call("GetClock", [1], 1, null), "fmi3GetClock: no such variable")

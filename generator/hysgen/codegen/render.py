@@ -276,9 +276,12 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
 def render(template: str, facts: Mapping[str, Any], *, marked: bool = False) -> str:
     """The text of `template` with the variables `facts`; marked: with a line for every hook (hooks.py).
 
+    template: a path in templates/, or, with line ends in it, the template itself.
     Raises jinja2.UndefinedError for a variable without a value.
     """
-    return _environment(marked).get_template(template).render(facts)
+    environment = _environment(marked)
+    chosen = environment.from_string(template) if "\n" in template else environment.get_template(template)
+    return chosen.render(facts)
 
 
 def aligned(constants: Sequence[Constant], upper: str) -> list[str]:

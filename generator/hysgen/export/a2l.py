@@ -13,10 +13,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
-from hysgen.codegen.parameters import Table
-from hysgen.codegen.structs import Interface
+from hysgen.codegen import tables
+from hysgen.codegen.parameters import Table, numbers_digest_of
+from hysgen.codegen.structs import Interface, interface
 from hysgen.errors import BuildError
+from hysgen.export.base import Export, Option, Written, make
 from hysgen.float32.learner_words import LEARNER_MEANINGS
+from hysgen.machine.files import write_whole
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.structs import BYTES_PER_WORD, MEANINGS, Axis, Member, Struct
@@ -27,6 +30,19 @@ LARGEST: Final = 3.4028234663852886e38
 LARGEST_WORD: Final = 4294967295.0
 
 _ADDRESS_BITS: Final = 32
+
+README: Final = """\
+{{ name }}.a2l (ASAP2 1.7) describes every word of an instance{{ ", of a learner" if learns }} and of the tables of
+constants: unit, limits, conversion, axis, and its address in {{ elf }}. Limits of the instance's states are intervals
+that no call leaves (`hysgen prove`){{ ", those of the learner the range of a float" if learns }};
+{{ description.characteristics | length }} parameters, {{ description.measurements | length }} measurements.
+
+    make run                                                                # link and run the example program
+    hysgen export MODEL --to a2l --elf firmware.elf --instance NAME -o DIR  # addresses of your own firmware
+
+The banks in the instance can be written while the model runs: write the idle bank, then `active`. The tables are
+read-only. A 32-bit A2L address does not reach a position-independent program of a 64-bit machine: link with -no-pie.
+"""
 
 
 @dataclass(frozen=True)
@@ -244,3 +260,46 @@ def _members(struct: Struct, place: Place, limits: Limits, parameters: str = "")
             member.axis, writable=struct.name == parameters,
         )  # fmt: skip
         address += BYTES_PER_WORD * count
+
+
+def finish(written: Written) -> list[str]:
+    """Write the A2L file and the README, with the addresses of the ELF; without --elf, of the example, linked here.
+
+    Raises BuildError where a compiler is missing or the ELF does not fit the model.
+    """
+    draft, given, name = written.draft, written.given, written.draft.model.name
+    elf = Path(given["elf"] or written.folder / f"{name}.elf")
+    if not given["elf"]:
+        make(written.folder, elf.name)
+    linked = read_elf(elf)
+    learner = given["learner"] or f"{name}_learner"
+    has_learner = bool(draft.model.learner) and bool(given["learner"] or not given["elf"] or learner in linked.symbols)
+    described = describe(
+        draft.model,
+        interface(draft.model, inverse=draft.options.inverse),
+        tables(draft.model),
+        linked,
+        given["instance"] or f"{name}_instance",
+        learner if has_learner else None,
+    )
+    digest = numbers_digest_of(draft.generated[f"{name}_params.h"])
+    full = replace(draft, facts={**draft.facts, "description": described, "digest": digest, "elf": elf.name})
+    texts = {f"{name}.a2l": full.text("a2l"), "README.md": full.readme(README)}
+    for path, text in texts.items():
+        write_whole(written.folder / path, text)
+    return list(texts)
+
+
+EXPORT = Export(
+    "a2l",
+    "A2L description for XCP",
+    files={"{name}_ecu.c": "a2l_ecu.c", "Makefile": "a2l_Makefile"},
+    sources=lambda draft: {},
+    options_title="addresses of an A2L file",
+    options=(
+        Option("elf", "FILE", "linked program (default: the example in the folder)"),
+        Option("instance", "NAME", "its variable of type <model>_t"),
+        Option("learner", "NAME", "its variable of type <model>_learner_t"),
+    ),
+    finish=finish,
+)

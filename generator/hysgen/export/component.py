@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from hysgen.codegen import Options
+from hysgen.codegen.render import render
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.files import version
 from hysgen.model.disturbances import channels_of
@@ -82,5 +83,5 @@ def exact(value: np.float32) -> str:
 
 
 def component_texts(facts: Mapping[str, Any]) -> dict[str, str]:
-    """File name -> template of the component in C."""
-    return {f"{facts['name']}_component.{end}": f"export/component.{end}.j2" for end in "hc"}
+    """The component in C by file name."""
+    return {f"{facts['name']}_component.{end}": render(f"export/component.{end}.j2", facts) for end in "hc"}

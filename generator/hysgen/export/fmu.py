@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import platform
 import re
@@ -17,11 +18,12 @@ from typing import Any, Final
 import numpy as np
 
 from hysgen.codegen import Options
-from hysgen.codegen.manifest import c_files
+from hysgen.codegen.manifest import c_files, read_folder
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
-from hysgen.export.component import component_facts
-from hysgen.machine.files import data_folder, digest
+from hysgen.export.base import Draft, Export, Samples, Words, Written
+from hysgen.export.component import component_facts, component_texts
+from hysgen.machine.files import data_folder, digest, write_whole
 from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain
 from hysgen.model.disturbances import channels_of
@@ -33,6 +35,24 @@ HEADERS: Final = {
     3: ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
 """Headers of the FMI standard; each states its 2-clause BSD licence."""
+
+_SOURCES: Final = {
+    "{name}_fmu.h": "fmu_core.h",
+    "{name}_fmu.c": "fmu_core.c",
+    "{name}_fmi2.c": "fmu2.c",
+    "{name}_fmi3.c": "fmu3.c",
+}
+README: Final = """\
+    make example           # both FMUs in FMPy: validation and a run
+    make                   # compile and pack again, for example on another machine
+
+{{ name }}_fmi2.fmu (FMI 2.0) and {{ name }}_fmi3.fmu (FMI 3.0), co-simulation: source code and a binary for the
+machine that made them; no Python, no library inside. `mode` is a fixed parameter. A communication step is a multiple
+of the sample period; inputs are held over it. State can be read, written, serialised; reset starts anew. In FMI 3.0 a
+change of `status` is an event (event mode, early return); in FMI 2.0, which has no events in co-simulation, the bits
+are Boolean outputs. `u_command_V` after a step from t is the command of the sample at t. The headers fmi2*.h and
+fmi3*.h are those of the FMI standard, under the 2-clause BSD licence in them.
+"""
 
 _FLAGS: Final = ("-std=c99", "-O2", "-fPIC", "-ffp-contract=off", "-fvisibility=hidden", "-shared")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -133,14 +153,13 @@ def token(texts: Mapping[str, str]) -> str:
     return f"{{{d[:8]}-{d[8:12]}-{d[12:16]}-{d[16:20]}-{d[20:32]}}}"
 
 
-def fmu_facts(model: Model, facts: Mapping[str, Any], texts: Mapping[str, str]) -> dict[str, Any]:
-    """The template variables of both FMUs."""
-    name = model.name
+def facts_of(draft: Draft) -> dict[str, Any]:
+    """The template variables of both FMUs beside those of the component."""
+    name = draft.model.name
     own = [f"{name}_fmu.c", f"{name}_component.c", f"{name}.c"]
     return {
-        **facts,
-        "variables": variables(model, facts),
-        "token": token(texts),
+        "variables": variables(draft.model, draft.facts),
+        "token": token(draft.generated),
         "sources2": [f"{name}_fmi2.c", *own],
         "sources3": [f"{name}_fmi3.c", *own],
     }
@@ -171,16 +190,25 @@ def archive(standard: int, name: str, files: Mapping[str, str]) -> bytes:
     return stream.getvalue()
 
 
-def fmu_sources(standard: int, generated: Mapping[str, str], own: Mapping[str, str]) -> dict[str, str]:
-    """Path in the export folder -> text of the sources of one FMU: model, component, FMU, headers of the standard."""
-    name = f"_fmi{5 - standard}.c"
-    chosen = {file: text for file, text in {**c_files(generated), **own}.items() if not file.endswith(name)}
-    chosen = {
-        file: text
-        for file, text in chosen.items()
-        if not file.endswith(("_selftest.c", "_selftest.h", "_selftest_data.h"))
+def sources(draft: Draft) -> dict[str, str]:
+    """Path in the export folder -> text of the sources of both FMUs: model, component, FMU, headers of the standard."""
+    own = {**c_files(draft.generated), **component_texts(draft.facts), **draft.rendered(_SOURCES)}
+    left_out = ("_selftest.c", "_selftest.h", "_selftest_data.h")
+    return {
+        f"sources{standard}/{file}": text
+        for standard in (2, 3)
+        for file, text in {**own, **headers(standard)}.items()
+        if not file.endswith((*left_out, f"_fmi{5 - standard}.c"))
     }
-    return {f"sources{standard}/{file}": text for file, text in {**chosen, **headers(standard)}.items()}
+
+
+def finish(written: Written) -> list[str]:
+    """Write both archives. Raises BuildError without a compiler."""
+    name = written.draft.model.name
+    archives = {f"{name}_fmi{standard}.fmu": archive(standard, name, written.texts) for standard in (2, 3)}
+    for path, data in archives.items():
+        write_whole(written.folder / path, data)
+    return list(archives)
 
 
 def _library(standard: int) -> tuple[str, str]:
@@ -204,3 +232,88 @@ def _binary(standard: int, sources: Mapping[str, str]) -> bytes:
         if run.returncode != 0:
             raise BuildError(f"{compiler}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")
         return Path(scratch, "fmu.bin").read_bytes()
+
+
+def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Words:
+    """An FMU in FMPy, one communication step per sample."""
+    try:
+        import fmpy
+        from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi3 import FMU3Slave
+    except ImportError as fault:
+        raise BuildError("FMPy is not installed: pip install 'hysgen[export]'") from fault
+    found = {variable.name: variable for variable in fmu_variables(model, options_of(folder))}
+    path = str(folder / f"{model.name}_fmi{standard}.fmu")
+    description = fmpy.read_model_description(path)
+    with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
+        fmpy.extract(path, scratch)
+        kind = FMU2Slave if standard == 2 else FMU3Slave
+        fmu = kind(
+            guid=description.guid,
+            unzipDirectory=scratch,
+            modelIdentifier=model.name,
+            instanceName="check",
+        )
+        fmu.instantiate()
+        try:
+            return _stepped(standard, fmu, found, model, samples)
+        finally:
+            fmu.terminate()
+            fmu.freeInstance()
+
+
+def _stepped(standard: int, fmu: Any, found: Mapping[str, Variable], model: Model, samples: Samples) -> Words:
+    """Results and status words of every sample of an instantiated FMU."""
+    set_float, set_word, get_float, get_word = (
+        (fmu.setReal, fmu.setInteger, fmu.getReal, fmu.getInteger)
+        if standard == 2
+        else (fmu.setFloat32, fmu.setUInt32, fmu.getFloat32, fmu.getUInt32)
+    )
+    inverts = samples.mode.name == "inverse"
+    references = [found[name].reference for name in ("y_um", "y_next_um" if inverts else "u_V")]
+    references += [variable.reference for variable in found.values() if variable.member.startswith("aux[")]
+    result = [found["u_command_V" if inverts else "y_model_um"].reference]
+    status = [found["status"].reference]
+    if standard == 2:
+        fmu.setupExperiment(startTime=0.0)
+    set_word([found["mode"].reference], [samples.mode.number])
+    set_float([found["y0_um"].reference, found["u0_V"].reference], [float(samples.y0_um), float(samples.u0_V)])
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    values = samples.rows[:, :-1].copy().view(np.float32).astype(float).tolist()
+    commits = samples.commit.tolist()
+    learns = samples.mode.name == "learn"
+    out = np.empty((len(values), 2), np.uint32)
+    results = np.empty(len(values), np.float32)
+    for k, row in enumerate(values):
+        set_float(references, row)
+        if learns:
+            fmu.setBoolean([found["commit"].reference], [bool(commits[k])])
+        fmu.doStep(currentCommunicationPoint=k * model.Ts_s, communicationStepSize=model.Ts_s)
+        results[k] = get_float(result)[0]
+        out[k, 1] = get_word(status)[0] & 0xFFFFFFFF
+    out[:, 0] = results.view(np.uint32)
+    return out
+
+
+def options_of(folder: Path) -> Options:
+    """The options with which the C in a folder's model/ was generated."""
+    return Options(inverse=bool(read_folder(folder / "model").facts["options"]["inverse"]))
+
+
+EXPORT = Export(
+    "fmu",
+    "FMUs for FMI 2.0 and 3.0",
+    files={
+        "modelDescription2.xml": "fmu2.xml",
+        "modelDescription3.xml": "fmu3.xml",
+        "buildDescription3.xml": "fmu3_build.xml",
+        "Makefile": "fmu_Makefile",
+        "example.py": "fmu_example.py",
+    },
+    readme=README,
+    ways={"FMI 2.0": functools.partial(run_fmu, 2), "FMI 3.0": functools.partial(run_fmu, 3)},
+    facts=facts_of,
+    sources=sources,
+    finish=finish,
+)

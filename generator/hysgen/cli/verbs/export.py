@@ -10,7 +10,7 @@ from hysgen.cli.options import add_learner_options, add_model, with_learner
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_code_options, code_options, restricted
 from hysgen.errors import HysgenError
-from hysgen.export import TARGETS, A2lSource, write_export
+from hysgen.export import export_of, exports, write_export
 from hysgen.export.check import compare
 from hysgen.model.file import load_model
 
@@ -24,27 +24,31 @@ exit code 1 says that some differ.
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
-    parser.add_argument("--to", required=True, choices=tuple(TARGETS), help="the target")
+    parser.add_argument("--to", required=True, choices=tuple(exports()), help="the target")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder for the files")
     parser.add_argument("--check", type=int, metavar="N", help="run N samples of every mode and compare the bits")
     add_code_options(parser)
-    group = parser.add_argument_group("addresses of an A2L file")
-    group.add_argument("--elf", metavar="FILE", help="linked program (default: the example in the folder)")
-    group.add_argument("--instance", default="", metavar="NAME", help="its variable of type <model>_t")
-    group.add_argument("--learner", default="", metavar="NAME", help="its variable of type <model>_learner_t")
+    for export in exports().values():
+        group = parser.add_argument_group(export.options_title) if export.options else parser
+        for option in export.options:
+            group.add_argument(f"--{option.name}", default="", metavar=option.metavar, help=option.help)
     add_learner_options(parser)
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     model = restricted(with_learner(load_model(arguments.model), arguments), arguments)
-    if arguments.to != "a2l" and (arguments.elf or arguments.instance or arguments.learner):
-        raise HysgenError("--elf, --instance and --learner belong to --to a2l; leave them out")
-    if arguments.check is not None and (arguments.to == "a2l" or arguments.check < 1):
-        raise HysgenError("--check N compares at least 1 sample of a target that runs; an A2L file does not")
+    chosen = export_of(arguments.to)
+    for export in exports().values():
+        given = [f"--{option.name}" for option in export.options if getattr(arguments, option.name)]
+        if given and export is not chosen:
+            raise HysgenError(f"{', '.join(given)}: for --to {export.name} alone; leave it out")
+    if arguments.check is not None and (arguments.check < 1 or not chosen.ways):
+        runs = ", ".join(export.name for export in exports().values() if export.ways)
+        raise HysgenError(f"--check N compares at least 1 sample of a target that runs: {runs}")
     options = code_options(arguments)
     folder = Path(arguments.output)
-    source = A2lSource(Path(arguments.elf) if arguments.elf else None, arguments.instance, arguments.learner)
-    written = write_export(model, arguments.to, folder, options, source)
+    values = {option.name: getattr(arguments, option.name) for option in chosen.options}
+    written = write_export(model, arguments.to, folder, options, values)
     own = [path for path in written if "model" not in path.relative_to(folder).parts]
     for path in own:
         console.say(f"written: {path} ({path.stat().st_size} bytes)")

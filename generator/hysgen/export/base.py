@@ -1,0 +1,157 @@
+"""An export: its files, its build, the ways to run it; the samples of a run, and calls of the tools."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.codegen import Options
+from hysgen.codegen.render import render
+from hysgen.errors import BuildError
+from hysgen.export.component import Mode, component_texts
+from hysgen.machine.native import default_toolchain
+from hysgen.model.model import Model
+
+Words = NDArray[np.uint32]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Inputs of one mode. rows: (n, 3 + channels) bits of y_um, input, auxiliary channels, and the commit flag."""
+
+    mode: Mode
+    y0_um: np.float32
+    u0_V: np.float32
+    rows: Words
+
+    def column(self, place: int) -> NDArray[np.float32]:
+        """One column as contiguous float32."""
+        return np.ascontiguousarray(self.rows[:, place]).view(np.float32)
+
+    @property
+    def commit(self) -> Words:
+        return np.ascontiguousarray(self.rows[:, -1])
+
+    @property
+    def aux(self) -> NDArray[np.float32]:
+        """(n, channels) auxiliary channels."""
+        return np.ascontiguousarray(self.rows[:, 2:-1]).view(np.float32)
+
+    @property
+    def start(self) -> list[str]:
+        """Mode, first displacement [um] and first voltage [V] as arguments of a program."""
+        return [str(self.mode.number), repr(float(self.y0_um)), repr(float(self.u0_V))]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A folder before its texts. generated: the C of the model; facts: variables of the templates."""
+
+    model: Model
+    options: Options
+    generated: Mapping[str, str]
+    facts: Mapping[str, Any]
+
+    def rendered(self, files: Mapping[str, str]) -> dict[str, str]:
+        """Text by path; files: template by path, both as in `Export.files`."""
+        return {path.format(name=self.model.name): self.text(template) for path, template in files.items()}
+
+    def text(self, template: str) -> str:
+        """A template of templates/export/ by its name without .j2, or with line ends the template itself."""
+        return render(template if "\n" in template else f"export/{template}.j2", self.facts)
+
+    def readme(self, body: str) -> str:
+        """The README: a head that all exports share, and the template `body` below it."""
+        return replace(self, facts={**self.facts, "body": self.text(body)}).text("README.md")
+
+
+@dataclass(frozen=True)
+class Written:
+    """A folder with its texts. texts: by path in the folder. given: values of the export's own options, "" for none."""
+
+    draft: Draft
+    folder: Path
+    texts: Mapping[str, str]
+    given: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Option:
+    """An option that one export has: `--NAME METAVAR`, "" where it is not given."""
+
+    name: str
+    metavar: str
+    help: str
+
+
+Runner = Callable[[Model, Path, Samples], Words]
+"""(model, folder, samples) -> (n, 2) bits of results and status words. Raises BuildError without the tools."""
+
+
+def _component(draft: Draft) -> Mapping[str, str]:
+    return component_texts(draft.facts)
+
+
+def _no_facts(draft: Draft) -> Mapping[str, Any]:
+    return {}
+
+
+def _nothing(written: Written) -> Sequence[str]:
+    return ()
+
+
+@dataclass(frozen=True)
+class Export:
+    """A folder for another tool. title: its name in the README.
+
+    files: path in the folder, {name} standing for the model's name -> template (`Draft.text`). readme: template of the
+    README below its head; "" where `finish` writes it. ways: name of a way to run the folder -> the function that runs
+    it; an export without ways is not compared. facts: further variables of the templates. sources: the C beside the
+    model's, by default the component. options: those of this export alone, under `options_title` in the help. finish:
+    writes the files that are built from the texts, and returns their paths in the folder; raises BuildError.
+    """
+
+    name: str
+    title: str
+    files: Mapping[str, str]
+    readme: str = ""
+    ways: Mapping[str, Runner] = field(default_factory=dict)
+    facts: Callable[[Draft], Mapping[str, Any]] = _no_facts
+    sources: Callable[[Draft], Mapping[str, str]] = _component
+    options: tuple[Option, ...] = ()
+    options_title: str = ""
+    finish: Callable[[Written], Sequence[str]] = _nothing
+
+
+def make(folder: Path, goal: str) -> None:
+    """Build `goal` by the Makefile of the folder. Raises BuildError with the first error message."""
+    command = ["make", "-C", str(folder), goal, f"CC={default_toolchain().command}"]
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+    except FileNotFoundError as fault:
+        raise BuildError("make is not installed; install it, or build the folder by other means") from fault
+    if run.returncode != 0:
+        raise BuildError(f"{folder}: make {goal}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")
+
+
+def output_of(call: list[str], folder: Path, data: bytes = b"") -> bytes:
+    """Standard output of a command. Raises BuildError if the tool is missing or fails."""
+    if shutil.which(call[0]) is None and not Path(call[0]).exists():
+        raise BuildError(f"{call[0]} is not installed: this target was not compared")
+    done = subprocess.run(call, cwd=folder, input=data, capture_output=True, check=False)
+    if done.returncode != 0:
+        message = (done.stderr or done.stdout).decode(errors="replace").strip().splitlines()
+        raise BuildError(f"{' '.join(call[:3])}: {(message or [f'exit code {done.returncode}'])[-1]}")
+    return done.stdout
+
+
+def results(data: bytes) -> Words:
+    """(n, 2) result and status of rows of result, status, answer."""
+    return np.frombuffer(data, np.uint32).reshape(-1, 3)[:, :2]
