@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
+import sys
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from fixtures import exported_folders, firmware_bench
-from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, program, settings, zlib
+from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, preloaded, program, settings, zlib
+from fixtures.tools import library
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
-from hysgen.export import export_texts, exports
+from hysgen.export import export_texts, exports, write_export
 from hysgen.export.fmu import _binary
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.host import HostImage
@@ -24,6 +28,7 @@ from hysgen.firmware.wire import image_frames
 from hysgen.machine import kernels
 from hysgen.machine.kernel_build import build_kernels
 from hysgen.machine.native import default_toolchain, externals
+from hysgen.model.file import load_model
 from hysgen_c674x.translation import compiled
 from hysgen_lab.stage import state
 from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
@@ -236,3 +241,59 @@ def test_among_foreign_functions_the_verified_library_passes_its_self_test(tmp_p
     texts = {"selftest.c": SELFTEST, "foreign.c": aborting(COMMON)}
     library = Host(model.name, generate(model))._library.path
     assert output(program(tmp_path, texts), library, f"{model.name}_selftest") == "0\n"
+
+
+IN_PYTHON = {
+    "kernels": """
+import hysgen, numpy
+model = hysgen.load_model("extended")
+u_V = 50.0 + 45.0 * numpy.sin(numpy.arange(2000) / 60.0)
+print(model.simulate(u_V).tobytes().hex())
+""",
+    "stage": """
+import numpy
+from hysgen_lab.stage import Stage, run
+u_V = 50.0 + 45.0 * numpy.sin(numpy.arange(2000) / 60.0)
+print(run(Stage.laboratory(), u_V, 1e-4, 1).displacement_um.tobytes().hex())
+""",
+    "export": """
+import sys, hysgen
+from pathlib import Path
+from hysgen.export.check import compare
+model = hysgen.load_model("appendix_a")
+print([line.differ for line in compare(model, sys.argv[1], Path(sys.argv[2]), 400)])
+""",
+}
+"""Lines of Python that run a host library and print what it computes."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kernels", "stage", "fmu", "shared"])
+def test_among_foreign_functions_of_its_names_a_host_library_computes_the_same(name: str, tmp_path: Path) -> None:
+    """The foreign functions are loaded before every library, and have the names of its functions, hidden or not."""
+    script, folder = IN_PYTHON.get(name, IN_PYTHON["export"]), tmp_path / "export"
+    if name in exports():
+        library("fmpy")
+        write_export(load_model("appendix_a"), name, folder)
+        subprocess.run(["make", "-s"], cwd=folder, check=True)
+    for path in folder.glob("*.fmu"):
+        zipfile.ZipFile(path).extractall(path.with_suffix(""))
+
+    def printed(**variables: str) -> str:
+        here = {"HYSGEN_CACHE": str(tmp_path / "cache"), **variables}
+        call = [sys.executable, "-c", script, name, str(folder)]
+        done = subprocess.run(call, env={**os.environ, **here}, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    alone = printed()
+    names = {n for path in tmp_path.rglob("*.so") for n in functions(path)}
+    assert len(names) > 5
+    assert printed(LD_PRELOAD=str(preloaded(tmp_path, names))) == alone
+
+
+def functions(library: Path) -> set[str]:
+    """Names of a library's own functions, but those that the linker adds."""
+    nm = subprocess.run(["nm", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+    names = {name for _, kind, name in map(str.split, nm.splitlines()) if kind in "tTiW" and name.isidentifier()}
+    return {name for name in names if name[0] != "_" and not name.endswith(("tm_clones", "frame_dummy"))}
