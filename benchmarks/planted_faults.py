@@ -31,10 +31,11 @@ drawn although many of these faults are equivalent: those that a reader found so
 equivalent_faults.json beside this file, and are counted apart.
 
 A fault that does not compile is drawn again. A fault is seen if a test fails that passes without it; a test that does
-not end within five times its measured time counts as failed. Tests marked `golden` (stored bytes) and `proof` do not
-run. Lines that no test reaches survive at once. The tests of the fault's room run first, short ones before long ones,
-at first those of --most-s seconds; survivors then meet the rest, as far as the two hours last. "not all" counts those
-that did not. What a test reaches includes processes that it starts; a line that runs in a fixture or while a test file
+not end within five times its measured time counts as failed. A run that somebody ends (a signal from the keyboard, of
+`kill`, or of a system without memory) says nothing: it is tried once more, then stands as interrupted. Tests marked
+`golden` (stored bytes) and `proof` do not run. Lines that no test reaches survive at once. The tests of the fault's
+room run first, short ones before long ones, as many as take --most-s seconds: "not all" counts survivors that others
+reach, too. What a test reaches includes processes that it starts; a line that runs in a fixture or while a test file
 is imported counts for all tests of the file; a line at the top of a module for the tests that run the module's
 functions, or a function that names what the line defines; C of the firmware and of templates for the tests of a file
 that opens it.
@@ -51,6 +52,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import threading
 import time
@@ -66,7 +68,7 @@ from fault_sites import Site, c_sites, python_sites
 from scipy.stats import beta
 
 EQUIVALENT: Final = Path(__file__).with_name("equivalent_faults.json")
-MOST_S: Final = 120.0
+MOST_S: Final = 240.0
 SLOWER: Final = 5.0
 HOURS: Final = 2.0
 
@@ -153,6 +155,13 @@ def compiles(edit: Edit, text: str) -> bool:
     return errors(text) or not errors(changed)
 
 
+def interrupted(code: int | None, output: str) -> bool:
+    """Whether pytest was ended from outside: by SIGINT, SIGKILL or SIGTERM, or 128 + one of them from a shell."""
+    signals = (signal.SIGINT, signal.SIGKILL, signal.SIGTERM)
+    by_name = "KeyboardInterrupt" in output and not re.search(r"^(?:FAILED|ERROR) ", output, re.MULTILINE)
+    return code in {*(-number for number in signals), *(128 + number for number in signals)} or by_name
+
+
 @dataclass
 class Trial:
     """What became of a fault. tried: tests that ran. left: tests that reach it and did not run, for want of time."""
@@ -172,22 +181,27 @@ class Planter:
         self.unsound: set[str] = set()
         self._writes = 10**9
 
-    def trial(self, place: Place, fault: Fault, tests: Sequence[str], most_s: float) -> Trial:
+    def trial(self, place: Place, fault: Fault, tests: Sequence[str]) -> Trial:
         """Plant a fault and run tests until one of them fails; they run in parts, the first one short."""
         trial, began = Trial(fault, "survived" if tests else "not reached"), time.monotonic()
         rest, spent, until = list(tests), 0.0, 8.0
         self._fresh_cache(place, fault)
-        while rest and spent < most_s and trial.outcome == "survived":
+        while rest and spent < self.most_s and trial.outcome == "survived":
             part: list[str] = []
-            while rest and (not part or spent < min(until, most_s)):
+            while rest and (not part or spent < min(until, self.most_s)):
                 name = rest.pop(0)
                 spent += self.reach.seconds[name]
                 part += [name] * (name not in self.unsound)
             until *= 5.0
-            code, output = self._planted(place, fault, part) if part else (0, "")
+            for _ in range(2):
+                code, output = self._planted(place, fault, part) if part else (0, "")
+                if not interrupted(code, output):
+                    break
             failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", output, re.MULTILINE)
             by = failed[1] if failed else "no end" if code is None else f"exit {code}"
-            if code in (0, 5):
+            if interrupted(code, output):
+                trial.outcome = "interrupted"
+            elif code in (0, 5):
                 trial.tried += len(part)
             elif not fault.of_python and _does_not_compile(output):
                 trial.outcome = "does not compile"
@@ -257,25 +271,25 @@ def _does_not_compile(output: str) -> bool:
 
 
 def results(path: Path) -> dict[str, Trial]:
-    """The last trial of each fault in a file of results."""
+    """The last trial of each fault in a file of results, but those that were interrupted."""
     found: dict[str, Trial] = {}
     for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
         content = json.loads(line)
         given = content.pop("fault")
         fault = Fault(given["room"], given["kind"], tuple(Edit(**edit) for edit in given["edits"]))
-        found[fault.key] = Trial(fault, **content)
+        if content["outcome"] != "interrupted":
+            found[fault.key] = Trial(fault, **content)
     return found
 
 
 def run(options: argparse.Namespace, draws: Mapping[str, Iterator[Fault]], tokens: Sequence[str]) -> dict[str, Trial]:
-    """Plant the next fault of the room that each token names; then go on with those that survived, as time allows."""
+    """Plant the next fault of the room that each token names, as time allows."""
     folder, deadline = Path(options.folder), time.monotonic() + 3600.0 * options.hours
     path = folder / options.results
     done = results(path)
     planter = Planter(folder, Reach(folder / "reached"), options.most_s)
     lock, todo = threading.Lock(), list(reversed(tokens))
     counted: list[str] = []
-    taken: set[str] = set()
 
     def keep(trial: Trial) -> None:
         with lock:
@@ -296,32 +310,16 @@ def run(options: argparse.Namespace, draws: Mapping[str, Iterator[Fault]], token
                     return fault
         return None
 
-    def unfinished() -> Trial | None:
-        """A survivor that tests are left for, the one with the fewest."""
-        with lock:
-            survived = [done[key] for key in counted if key in done and key not in taken]
-            waiting = [trial for trial in survived if trial.outcome == "survived" and trial.left]
-            if not waiting or time.monotonic() > deadline:
-                return None
-            trial = min(waiting, key=lambda trial: trial.left)
-            taken.add(trial.fault.key)
-            return trial
-
     def work(number: int) -> None:
         place = Place(folder / f"planted-{number}")
         place.make(measured=False)
         while fault := draw():
             if fault.key not in done:
-                keep(planter.trial(place, fault, planter.reach.ordered(fault.edits, fault.room), options.most_s))
+                keep(planter.trial(place, fault, planter.reach.ordered(fault.edits, fault.room)))
             if done[fault.key].outcome == "does not compile":
                 with lock:
                     counted.remove(fault.key)
                     todo.append(fault.room)
-        while before := unfinished():
-            rest = planter.reach.ordered(before.fault.edits, before.fault.room)[-before.left :]
-            trial = planter.trial(place, before.fault, rest, max(deadline - time.monotonic(), 60.0))
-            trial.tried, trial.seconds = trial.tried + before.tried, trial.seconds + before.seconds
-            keep(trial)
 
     in_threads(work)
     if planter.unsound:
@@ -355,7 +353,7 @@ def report(trials: Iterable[Trial]) -> str:
         for room in (trial.fault.room, "all"):
             counts.setdefault(room, Counter())[outcome] += 1
             counts[room]["not all"] += outcome == "survived" and trial.left > 0
-    columns = ("planted", "seen", "survived", "bound", "not reached", "not all", "equivalent")
+    columns = ("planted", "seen", "survived", "bound", "not reached", "not all", "equivalent", "interrupted")
     lines = [f"{'room':<22}" + "".join(f"{column:>13}" for column in columns)]
     for room in sorted(counts, key=lambda room: (room == "all", room)):
         count = counts[room]
@@ -365,7 +363,7 @@ def report(trials: Iterable[Trial]) -> str:
         cells = (planted, count["seen"], lost, f"{bound:.0%}", *(count[column] for column in columns[4:]))
         lines.append(f"{room:<22}" + "".join(f"{cell:>13}" for cell in cells))
     lines.append("bound: upper end of the one-sided 95 % interval of the surviving share (Clopper and Pearson).")
-    lines.append("equivalent: not among the planted; reasons in equivalent_faults.json.")
+    lines.append("equivalent, interrupted: not among the planted; reasons of the equivalent in equivalent_faults.json.")
     return "\n".join(lines)
 
 
@@ -388,7 +386,9 @@ def main() -> None:
     parser.add_argument("--list", action="store_true", help="print the draw and end")
     parser.add_argument("--rerun", metavar="FILE", type=Path, help="plant these faults instead")
     parser.add_argument("--results", metavar="NAME", default="results.jsonl", help="default: %(default)s")
-    parser.add_argument("--most-s", type=float, default=MOST_S, help="seconds of tests at first (default: %(default)s)")
+    parser.add_argument(
+        "--most-s", type=float, default=MOST_S, help="seconds of tests for a fault (default: %(default)s)"
+    )
     parser.add_argument("--hours", type=float, default=HOURS, help="default: %(default)s")
     options = parser.parse_args()
     head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout

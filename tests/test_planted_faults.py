@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-SCRIPT = Path(__file__).parents[1] / "benchmarks" / "fault_sites.py"
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 IN_PYTHON = {
     "z = a[i] + b": {"z = a[i] - b"},
     "a -= b": {"a += b", "pass"},
@@ -56,13 +56,10 @@ static float *f(const float *a, int b);
 
 
 @pytest.fixture
-def changed() -> Callable[[str, str], set[str]]:
+def changed(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], set[str]]:
     """`changed("python" or "c", text)`: the texts with one fault each."""
-    spec = importlib.util.spec_from_file_location("fault_sites", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    sites: Any = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(sites)
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    sites: Any = importlib.import_module("fault_sites")
 
     def found(language: str, text: str) -> Iterator[str]:
         data = text.encode()
@@ -85,3 +82,19 @@ def test_every_way_to_be_wrong_is_planted_in_c(changed: Callable[[str, str], set
 @pytest.mark.parametrize(("language", "text"), [("python", WORDS_IN_PYTHON), ("c", WORDS_IN_C)])
 def test_nothing_is_planted_in_words(changed: Callable[[str, str], set[str]], language: str, text: str) -> None:
     assert changed(language, text) == set()
+
+
+@pytest.mark.parametrize(
+    ("code", "output", "ended"),
+    [
+        *((code, "", True) for code in (-2, 130, -15, 143, -9, 137)),
+        (2, "!!! KeyboardInterrupt !!!", True),
+        (2, "ERROR tests/test_a.py - KeyboardInterrupt", False),
+        *((code, "", False) for code in (None, 0, 1, 5, -11, -6)),
+    ],
+)
+def test_a_run_that_somebody_ends_does_not_see_a_fault(
+    code: int | None, output: str, ended: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    assert importlib.import_module("planted_faults").interrupted(code, output) is ended
