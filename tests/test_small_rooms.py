@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import json
 import sys
 from pathlib import Path
@@ -14,8 +13,10 @@ import numpy as np
 import pytest
 
 import hysgen
-from hysgen import api
 from hysgen import estimator as estimating
+from hysgen import schemas
+from hysgen.api import code as coding
+from hysgen.api import diagnosing, models
 from hysgen.checking.bits import VerifySettings
 from hysgen.display import Displayed, Summary, decimal, table
 from hysgen.errors import FitError, HysgenError, RecordWarning
@@ -116,7 +117,7 @@ def test_the_estimator_fits_predicts_and_scores_by_its_parameters(monkeypatch: p
     for parameters, memory in (({}, None), ({"memory": True}, PathSize())):
         X, y = U_V[:, None], Y_UM[:-1]
         assert estimator.set_params(**parameters).fit(X, y) is estimator
-        assert estimator.model_ == api.fit_model(RECORD, FitSettings(rules=3, memory=memory, method="batch"))
+        assert estimator.model_ == models.fit_model(RECORD, FitSettings(rules=3, memory=memory, method="batch"))
         assert estimator.__sklearn_is_fitted__()
         np.testing.assert_array_equal(estimator.predict(X), estimator.model_.simulate(U_V))
         left = y[13:]
@@ -152,8 +153,8 @@ def test_tags_of_the_estimator_are_those_of_a_regressor(monkeypatch: pytest.Monk
 
 def test_fit_hands_on_settings_memory_and_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr(api, "fit_model", lambda *given, **options: asked.append((given, options)))
-    monkeypatch.setattr(api, "check_for_fit", lambda *given: asked.append(given) or ("poor",))
+    monkeypatch.setattr(models, "fit_model", lambda *given, **options: asked.append((given, options)))
+    monkeypatch.setattr(models, "check_for_fit", lambda *given: asked.append(given) or ("poor",))
     base = FitSettings(rules=4, method="batch")
     for memory, size in (
         (True, PathSize()),
@@ -178,25 +179,27 @@ def test_fit_hands_on_settings_memory_and_progress(monkeypatch: pytest.MonkeyPat
 
 def test_diagnose_checks_both_records_and_prices_by_default(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
-    monkeypatch.setattr(api, "diagnose_and_evaluate", lambda *given: asked.append(given))
-    monkeypatch.setattr(api, "check_for_fit", lambda *given: asked.append(given) or ())
-    monkeypatch.setattr(api, "check_validation", lambda *given: asked.append(given) or ("outside",))
+    monkeypatch.setattr(diagnosing, "diagnose_and_evaluate", lambda *given: asked.append(given))
+    monkeypatch.setattr(diagnosing, "check_for_fit", lambda *given: asked.append(given) or ())
+    monkeypatch.setattr(diagnosing, "check_validation", lambda *given: asked.append(given) or ("outside",))
     held = RECORD.rows(0, 300)
     with pytest.warns(RecordWarning, match="^outside$"):
         hysgen.diagnose(RECORD, held, progress=print, keep_all=True)
-    settings = dataclasses.replace(hysgen.DiagnoseSettings(), keep_all=True, price=api.price_of)
+    settings = dataclasses.replace(hysgen.DiagnoseSettings(), keep_all=True, price=diagnosing.price_of)
     assert asked == [(RECORD, 6, 18), (RECORD, held), (RECORD, held, settings, print)]
     asked.clear()
     free = hysgen.DiagnoseSettings(price=lambda model: None)
     hysgen.diagnose(RECORD, settings=free)
-    assert asked == [(RECORD, 6, 18), (RECORD, None, free, None)]
+    (part, *size), evaluated = asked
+    assert (part.samples, *size) == (RECORD.split(free.identify)[0].samples, 6, 18), "the part that is identified on"
+    assert evaluated == (RECORD, None, free, None)
 
 
 def test_verify_compares_texts_or_a_folder_with_what_was_altered(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     folder = SimpleNamespace(model="m", texts={"a": "b"}, altered=("a",))
-    monkeypatch.setattr(api, "verify_texts", lambda *given: asked.append(given))
-    monkeypatch.setattr(api, "read_folder", lambda path: asked.append(path) or folder)
+    monkeypatch.setattr(coding, "verify_texts", lambda *given: asked.append(given))
+    monkeypatch.setattr(coding, "read_folder", lambda path: asked.append(path) or folder)
     model = hysgen.load_model("appendix_a")
     hysgen.verify(hysgen.Generated(model, {"x": "y"}), 500, print)
     hysgen.verify("somewhere")
@@ -205,14 +208,14 @@ def test_verify_compares_texts_or_a_folder_with_what_was_altered(monkeypatch: py
         Path("somewhere"),
         ("m", {"a": "b"}, VerifySettings(samples=200_000, other_models=0), None, ("a",)),
     ]
-    monkeypatch.setattr(api, "cost_of_texts", lambda *given, **options: (given, options))
+    monkeypatch.setattr(coding, "cost_of_texts", lambda *given, **options: (given, options))
     assert hysgen.cost("there") == (("m", {"a": "b"}), {"timed": False})
     checks = {"one": lambda *given: given, "two": lambda *given: given}
-    monkeypatch.setattr(api, "CHECKS", checks)
-    monkeypatch.setattr(api, "known_checks", lambda names: list(names))
+    monkeypatch.setattr(coding, "CHECKS", checks)
+    monkeypatch.setattr(coding, "known_checks", lambda names: list(names))
     proof = hysgen.prove(hysgen.Generated(model, {"x": "y"}), ["two", "one"], progress=print)
     assert proof.model == "appendix_a"
-    assert proof.checks == {name: (model, {"x": "y"}, api.CheckSettings(), print) for name in ("two", "one")}
+    assert proof.checks == {name: (model, {"x": "y"}, coding.CheckSettings(), print) for name in ("two", "one")}
 
 
 def test_generated_files_are_listed_with_lines_and_bytes_and_written(tmp_path: Path) -> None:
@@ -228,7 +231,7 @@ def test_a_page_of_several_models_scores_each_on_the_record(monkeypatch: pytest.
     a, b = hysgen.load_model("appendix_a"), hysgen.load_model("appendix_b")
     monkeypatch.setattr("hysgen.report.model.ScoredModels", lambda *given: given)
     monkeypatch.setattr("hysgen.report.model.model_page", lambda *given: given)
-    monkeypatch.setattr(api, "score", lambda model, record: (model.name, record))
+    monkeypatch.setattr(diagnosing, "score", lambda model, record: (model.name, record))
     record = dataclasses.replace(RECORD, source="s.csv")
     scored = {"x": ("appendix_a", record), "y": ("appendix_b", record)}
     assert hysgen.page(({"x": a, "y": b}, record)) == ("x, y on s.csv", (record, {"x": a, "y": b}, scored))
@@ -239,11 +242,11 @@ def test_a_page_of_several_models_scores_each_on_the_record(monkeypatch: pytest.
 def test_short_functions_hand_on_their_arguments(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     model = hysgen.load_model("appendix_a")
     opened: list[Any] = []
-    monkeypatch.setattr(api, "open_line", lambda *given: opened.append(given) or "line")
-    monkeypatch.setattr(api, "Client", lambda line: ("client", line))
+    monkeypatch.setattr(coding, "open_line", lambda *given: opened.append(given) or "line")
+    monkeypatch.setattr(coding, "Client", lambda line: ("client", line))
     assert hysgen.connect("/dev/x", 9600) == ("client", "line")
     hysgen.connect("/dev/x")
-    assert opened == [("/dev/x", 9600), ("/dev/x", api.BAUD)]
+    assert opened == [("/dev/x", 9600), ("/dev/x", coding.BAUD)]
     learning = hysgen.firmware_files(model).model
     assert learning.learner is not None
     assert hysgen.firmware_files(learning).model is learning
@@ -252,17 +255,17 @@ def test_short_functions_hand_on_their_arguments(monkeypatch: pytest.MonkeyPatch
     key = bytes(range(16))
     assert hysgen.image(learning, other, key) == encode(learning, other, key)
     assert hysgen.image(learning, other, key) != hysgen.image(learning, other)
-    monkeypatch.setattr(api, "history_of", lambda *given: given)
+    monkeypatch.setattr(models, "history_of", lambda *given: given)
     assert hysgen.history(str(tmp_path)) == (tmp_path, 5.0)
     assert hysgen.history(tmp_path, 2.0) == (tmp_path, 2.0)
-    assert json.loads(importlib.import_module("hysgen.cli.schemas").text_of("score")) == hysgen.schema("score")
-    options = api.Options(inverse=False)
-    monkeypatch.setattr(api, "generate_texts", lambda *given: given)
+    assert json.loads(schemas.text_of("score")) == hysgen.schema("score")
+    options = coding.Options(inverse=False)
+    monkeypatch.setattr(coding, "generate_texts", lambda *given: given)
     assert hysgen.generate(model, options).texts == (model, options)
-    assert hysgen.generate(model).texts == (model, api.Options(inverse=True))
+    assert hysgen.generate(model).texts == (model, coding.Options(inverse=True))
     fitted = hysgen.fit(RECORD, method="batch", rules=3)
     assert hysgen.score(fitted, RECORD, 50).to_json() == score(fitted, RECORD, 50).to_json()
     refitted: list[Any] = []
-    monkeypatch.setattr(api, "refit_model", lambda *given: refitted.append(given))
+    monkeypatch.setattr(models, "refit_model", lambda *given: refitted.append(given))
     hysgen.refit(fitted, RECORD, print)
     assert refitted == [(fitted, RECORD, print)]

@@ -12,92 +12,18 @@ A name imports the module that holds it when it is used for the first time.
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from hysgen import upward
 
-if TYPE_CHECKING:
-    from hysgen.api import (
-        Generated,
-        certificates,
-        connect,
-        cost,
-        describe,
-        diagnose,
-        diff,
-        firmware_files,
-        fit,
-        generate,
-        history,
-        image,
-        inspect,
-        page,
-        prove,
-        refit,
-        rivals,
-        schema,
-        score,
-        verify,
-        write_export,
-    )
-    from hysgen.checking.bits.report import Report
-    from hysgen.checking.cost import Cost
-    from hysgen.codegen import Options
-    from hysgen.diagnosis import DiagnoseSettings
-    from hysgen.diagnosis.evaluation import Study
-    from hysgen.errors import HysgenError, RecordWarning
-    from hysgen.estimator import HysteresisRegressor
-    from hysgen.fitting import FitSettings
-    from hysgen.model.file import load_model, save_model
-    from hysgen.model.model import Model
-    from hysgen.model.scores import Scores
-    from hysgen.record import Columns, Record, load_record
-    from hysgen.record.bundled import demo_record
-
-_HOMES = {
-    "Columns": "record",
-    "Cost": "checking.cost",
-    "DiagnoseSettings": "diagnosis",
-    "FitSettings": "fitting",
-    "Generated": "api",
-    "HysgenError": "errors",
-    "HysteresisRegressor": "estimator",
-    "Model": "model.model",
-    "Options": "codegen",
-    "Record": "record",
-    "RecordWarning": "errors",
-    "Report": "checking.bits.report",
-    "Scores": "model.scores",
-    "Study": "diagnosis.evaluation",
-    "certificates": "api",
-    "connect": "api",
-    "cost": "api",
-    "demo_record": "record.bundled",
-    "describe": "api",
-    "diagnose": "api",
-    "diff": "api",
-    "firmware_files": "api",
-    "fit": "api",
-    "generate": "api",
-    "history": "api",
-    "image": "api",
-    "inspect": "api",
-    "load_model": "model.file",
-    "load_record": "record",
-    "page": "api",
-    "prove": "api",
-    "refit": "api",
-    "rivals": "api",
-    "save_model": "model.file",
-    "schema": "api",
-    "score": "api",
-    "verify": "api",
-    "write_export": "api",
-}
+_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_HOMES = {name: module for module, name in re.findall(r"^from (\S+) import (\w+)", _STUB, re.MULTILINE)}
 """Module of each public name."""
 
-__all__ = list(_HOMES)
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
@@ -106,7 +32,7 @@ def __getattr__(name: str) -> Any:
 
         return version()
     if name in _HOMES:
-        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'hysgen' has no attribute {name!r}")
 
 

@@ -117,12 +117,12 @@ def test_refit_says_that_the_structure_no_longer_fits_and_what_it_lacks(
     """The diagnosis is that of another stage with memory and hum; made for the new record it takes ten seconds."""
     diagnosed: list[Record] = []
 
-    def known(read: Record, **_: object) -> Study:
+    def known(read: Record, *_: object) -> Study:
         diagnosed.append(read)
         study: Study = once_per_run("hum", hum_study)
         return study
 
-    monkeypatch.setattr("hysgen.cli.verbs.refit.diagnose_and_evaluate", known)
+    monkeypatch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", known)
     call = ["refit", f"{folder}/axis.json", f"{folder}/hum.csv", "-o", f"{tmp_path}/new.json"]
     assert main([*call, "--json", f"{tmp_path}/told.json"]) == 1
     told = json.loads((tmp_path / "told.json").read_text())

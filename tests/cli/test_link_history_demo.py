@@ -179,19 +179,19 @@ def test_the_demo_goes_the_whole_way_and_shows_each_command(
         return study
 
     monkeypatch.setattr(demo, "toolchains", lambda *given: None)
-    monkeypatch.setattr(demo, "diagnose_and_evaluate", diagnosed)
+    monkeypatch.setattr(demo, "diagnose", diagnosed)
     monkeypatch.setattr(demo, "verdict", lambda _: ["the verdict"])
-    monkeypatch.setattr(demo, "scored", lambda _: model)
-    monkeypatch.setattr(demo, "verify", lambda folder, settings, _: given.append((folder, settings)) or report)
+    monkeypatch.setattr(demo, "scored_extension", lambda _: model)
+    monkeypatch.setattr(demo, "verify", lambda folder, samples, _: given.append((folder, samples)) or report)
     monkeypatch.setattr(demo, "cost", lambda folder: given.append(folder) or price)
     monkeypatch.setattr(demo, "cost_text", lambda *_: "the cost")
     monkeypatch.setattr(demo, "diagnosis_page", page)
     monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
     assert main(["-q", "demo", "-o", "d", "--samples", "77"]) == (0 if equal else 1)
-    (samples, identified), (code, settings), costed, (words, named) = given
+    (samples, identified), (code, compared), costed, (words, named) = given
     assert identified == pytest.approx(IDENTIFICATION_ROWS)
     assert samples > IDENTIFICATION_ROWS
-    assert (code, settings.samples, settings.other_models, costed) == (Path("d/c"), 77, 0, Path("d/c"))
+    assert (code, compared, costed) == (Path("d/c"), 77, Path("d/c"))
     assert words == (study,)
     assert named["proof"] == (report, price)
     assert Path("d/record.csv").read_text() == bundled_csv()

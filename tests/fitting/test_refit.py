@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hysgen.cli.verbs.refit import as_before
+from hysgen.api.code import _as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit
@@ -69,7 +69,7 @@ def test_refit_generates_again_over_the_ranges_that_the_folder_had(
     part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3), (old.u_min_V, 0.9 * old.u_max_V))
     write(generate(part), tmp_path)
     new, _ = refit(old, records[1])
-    again, _ = as_before(new, tmp_path)
+    again, _ = _as_before(new, tmp_path)
     assert (again.grid.y_min_um, again.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
     assert (again.u_min_V, again.u_max_V) == (part.u_min_V, part.u_max_V)
     assert generate(again)["axis.c"] == generate(part)["axis.c"]

@@ -10,12 +10,14 @@ import shlex
 import shutil
 import sys
 import textwrap
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
 from hysgen.cli.progress import ProgressLine
+from hysgen.errors import RecordWarning
 from hysgen.machine.files import version, write_whole
 
 RULER = re.compile(r"-+(?:  -+)+")
@@ -143,6 +145,22 @@ class Console:
         self._progress.pause()
         with contextlib.suppress(BrokenPipeError):
             print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
+
+    @contextlib.contextmanager
+    def warnings_of_records(self) -> Iterator[None]:
+        """Print every RecordWarning as `warn` does; other warnings as Python does."""
+        with warnings.catch_warnings():
+            otherwise = warnings.showwarning
+
+            def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
+                if issubclass(category, RecordWarning):
+                    self.warn(str(message))
+                else:
+                    otherwise(message, category, *place)
+
+            warnings.simplefilter("always", RecordWarning)
+            warnings.showwarning = show  # type: ignore[assignment]
+            yield
 
     def progress(self, fraction: float, what: str) -> None:
         """Print the fraction done and what is being done (`ProgressLine`)."""

@@ -181,7 +181,8 @@ def _run(words: list[str], program: Program) -> int:
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
     try:
-        code = int(arguments.run(arguments, console))
+        with console.warnings_of_records():
+            code = int(arguments.run(arguments, console))
     finally:
         console.close()
     sys.stdout.flush()

@@ -15,7 +15,6 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, lfiltic
 
 from hysgen.errors import FitError
 from hysgen.machine.kernels import play_operators
@@ -117,6 +116,8 @@ class Arx:
         return bool((np.abs(np.roots(np.concatenate([[1.0], -self.a]))) < 1.0).all())
 
     def free_run(self, record: Record) -> list[Floats]:
+        from scipy.signal import lfilter, lfiltic  # imports scipy.stats, which takes half a second
+
         runs = []
         for segment in record.whole().segments:
             n, first = segment.samples, self.first

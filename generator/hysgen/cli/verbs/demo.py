@@ -6,18 +6,15 @@ import argparse
 import time
 from pathlib import Path
 
-from hysgen.certify.certificates import certify
-from hysgen.checking.bits import VerifySettings, verify
-from hysgen.checking.cost import cost
+from hysgen.api.code import cost, generate, verify
+from hysgen.api.diagnosing import diagnose, scored_extension
 from hysgen.checking.host import LEVELS, host_compilers, toolchains
 from hysgen.cli.console import Console
 from hysgen.cli.outputs import Output, check_file, check_files
 from hysgen.cli.verbs import Verb
-from hysgen.cli.verbs.diagnose import scored
 from hysgen.cli.verbs.generate import cost_text
-from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.evaluation import LADDER, diagnose_and_evaluate
+from hysgen.diagnosis.evaluation import LADDER
 from hysgen.display import table
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
@@ -26,7 +23,7 @@ from hysgen.model.file import save_model
 from hysgen.record import load_record
 from hysgen.record.bundled import IDENTIFICATION_ROWS, bundled_csv
 from hysgen.report.diagnosis import diagnosis_page
-from hysgen.report.words import price_of, verdict
+from hysgen.report.words import verdict
 
 DEMO_HELP = """\
 The whole way on the bundled record: diagnosis, C, equality of bits, cost, a page, all in one folder.
@@ -60,24 +57,24 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
         write_whole(csv, bundled_csv())
     check_files(folder, DEMO_FILES, "-o", arguments.force)
     record, cut = load_record(csv), IDENTIFICATION_ROWS
-    settings = DiagnoseSettings(FitSettings(name="stage"), identify=cut / record.samples, price=price_of)
+    settings = DiagnoseSettings(FitSettings(name="stage"), identify=cut / record.samples)
 
     command = f"hysgen diagnose {csv} --rows 0:{cut} -o {model_file} --report {page}"
     console.say(f"$ {command}\n{record.one_line()}")
-    study = diagnose_and_evaluate(record, None, settings, console.progress)
+    study = diagnose(record, None, settings, console.progress)
     console.say("\n".join([*verdict(study), "", table(LADDER, study.ladder())]))
-    model = scored(study)
+    model = scored_extension(study)
     save_model(model, model_file)
     save_model(study.diagnosis.base, folder / "paper.json")
 
     console.say(f"\n$ hysgen generate {model_file} -o {code}")
-    texts = generate(model, Options(inverse=certify(model).inverse_holds))
-    check_files(code, list(texts), "-o", arguments.force)
-    write(texts, code)
-    console.say(f"written: {', '.join(sorted(texts))}")
+    generated = generate(model)
+    check_files(code, list(generated.texts), "-o", arguments.force)
+    generated.write(code)
+    console.say(f"written: {', '.join(sorted(generated.texts))}")
 
     console.say(f"\n$ hysgen verify {code} --samples {arguments.samples} --structures 0")
-    report = verify(code, VerifySettings(samples=arguments.samples, other_models=0), console.progress)
+    report = verify(code, arguments.samples, console.progress)
     console.say("\n".join(report.lines()))
 
     console.say(f"\n$ hysgen cost {code}")

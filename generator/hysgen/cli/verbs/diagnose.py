@@ -6,22 +6,20 @@ import argparse
 import dataclasses
 from pathlib import Path
 
+from hysgen.api.diagnosing import diagnose, scored_extension
 from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_record_options, parse_rows, read_records
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
+from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
 from hysgen.machine.files import write_whole
 from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
-from hysgen.model.model import Model
-from hysgen.model.scores import score_identification
-from hysgen.record import check_for_fit, check_validation
-from hysgen.report.words import diagnosis_text, price_of
+from hysgen.report.words import diagnosis_text
 from hysgen.uncertainty.gum import length_um, sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
 
@@ -60,9 +58,8 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console)
     holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
-    settings = DiagnoseSettings(
-        fit=FitSettings(name=name, rules=arguments.rules), price=price_of, keep_all=arguments.keep_all, resume=True
-    )
+    fitted = FitSettings(name=name, rules=arguments.rules)
+    settings = DiagnoseSettings(fit=fitted, keep_all=arguments.keep_all, resume=True)
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples, record.Ts_s)
         if holdout is None and stop < record.samples:
@@ -74,19 +71,13 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError("--drift-since belongs to --sensor-uncertainty; state both")
     sensor = sensor_uncertainty(arguments.sensor_uncertainty) if arguments.sensor_uncertainty else None
     drift_um = length_um(arguments.drift_since) if arguments.drift_since else None
-    part = record if holdout is not None else record.split(settings.identify)[0]
-    for warning in check_for_fit(part, arguments.rules, 3 * arguments.rules):
-        console.warn(warning)
-    if holdout is not None:
-        for warning in check_validation(part, holdout):
-            console.warn(warning)
-    study = diagnose_and_evaluate(record, holdout, settings, console.progress)
+    study = diagnose(record, holdout, settings, console.progress)
     console.say(diagnosis_text(study) + "\n")
     found = characterise(study, sensor, drift_um) if sensor else None
     if found:
         console.say("\n".join(found.lines()) + "\n")
     if arguments.output:
-        save_model(scored(study), Path(arguments.output))
+        save_model(scored_extension(study), Path(arguments.output))
         console.say(f"written: {arguments.output}")
     if arguments.plots:
         for path in write_pictures(study, Path(arguments.plots), arguments.force):
@@ -97,13 +88,6 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         write_whole(Path(arguments.report), diagnosis_page(study, found, command=command_line()).html())
         console.say(f"written: {arguments.report}")
     return console.finish(study.to_json() | ({"uncertainty": found.to_json()} if found else {}))
-
-
-def scored(study: Study) -> Model:
-    """The extended model with its scores on the identification rows; `hysgen refit` compares its own with them."""
-    model = study.diagnosis.model
-    known = score_identification(model, study.record.rows(0, study.cut))
-    return dataclasses.replace(model, scores={"identification": known.to_json()})
 
 
 def write_pictures(study: Study, folder: Path, force: bool) -> list[Path]:

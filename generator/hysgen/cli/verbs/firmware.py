@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from hysgen.api.code import Generated, with_kernels
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
-from hysgen.cli.verbs.generate import add_kernels, scheduled
-from hysgen.codegen import write
+from hysgen.cli.verbs.generate import add_kernels
 from hysgen.errors import BuildError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.image import NO_KEY, Label, encode, read_key
@@ -43,12 +43,15 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     if model.learner is None:
         model = with_learner(model)
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
-    texts = firmware_model(model, aligned=bool(arguments.kernels))
+    code = Generated(model, firmware_model(model, aligned=bool(arguments.kernels)))
     if arguments.kernels:
-        texts = scheduled(arguments.kernels, model.name, texts, console)
+        code = with_kernels(code, arguments.kernels)
+    for line in code.warnings:
+        console.warn(line)
+    texts = code.texts
     if arguments.output:
         check_files(Path(arguments.output), list(texts), "-o", arguments.force)
-        write(texts, Path(arguments.output))
+        code.write(Path(arguments.output))
         console.say(f"written: {len(texts)} files in {arguments.output}")
     able = named("firmware")
     result: dict[str, object] = {"model": model.name, "target": None}

@@ -6,18 +6,16 @@ import argparse
 import dataclasses
 from pathlib import Path
 
-from hysgen.certify.certificates import certify
+from hysgen.api.models import certificates, fit, parameter_count, scored
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_learner_options, add_record_options, parse_rows, read_records, with_learner
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.errors import HysgenError
-from hysgen.fitting import FitSettings, PathSize, fit
+from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting.operator import MOST_PLAYS, RELAXING
 from hysgen.model.file import save_model
 from hysgen.model.model import MOST_RULES
-from hysgen.model.scores import score_identification
-from hysgen.record import check_for_fit
 
 FIT_HELP = """\
 Fit a model to one or several records.
@@ -123,20 +121,15 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
                 f"--input-range: {wanted_V:.4g} V is more than {FAR:g} times the {high_V - low_V:.4g} V of the record; "
                 "outside the record the model extrapolates"
             )
-    parameters = 3 * settings.rules
-    if settings.memory is not None:
-        parameters += settings.memory.operator(low_V, high_V).size
-    for warning in check_for_fit(record, settings.rules, parameters):
-        console.warn(warning)
-    model = fit(record, settings, progress=console.progress)
-    model = with_learner(model, arguments)
-    scores = score_identification(model, record)
-    model = dataclasses.replace(model, scores={"identification": scores.to_json()})
+    model = with_learner(fit(record, settings, progress=console.progress), arguments)
+    model, scores = scored(model, record)
     save_model(model, Path(arguments.output))
     console.say(scores.table())
     console.say()
-    console.say("\n".join(certify(model).lines()))
-    console.say(f"\nwritten: {arguments.output} ({settings.rules} rules, {parameters} parameters)")
+    console.say("\n".join(certificates(model).lines()))
+    console.say(
+        f"\nwritten: {arguments.output} ({settings.rules} rules, {parameter_count(settings, record)} parameters)"
+    )
     return console.finish(model.to_json())
 
 

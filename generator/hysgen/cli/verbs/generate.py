@@ -7,12 +7,13 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
+from hysgen.api.code import generate, with_kernels
 from hysgen.checking.cost import Cost, FigureChange, changes, cost, read, update
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
-from hysgen.codegen import Options, generate, write
+from hysgen.codegen import Options
 from hysgen.codegen.manifest import read_folder, stale
 from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ
 from hysgen.display import table
@@ -63,18 +64,6 @@ def add_kernels(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def scheduled(
-    item: Target, name: str, texts: Mapping[str, str], console: Console, assembler: str = ""
-) -> dict[str, str]:
-    """The generated `texts` with the target's kernels; warns of each function that stays in C."""
-    if item.kernels is None:
-        raise HysgenError(f"{item.name}: has no kernels")
-    texts, refused = item.kernels.schedule(name, texts, assembler or item.kernels.assemblers[0])
-    for function, reason in refused.items():
-        console.warn(f"{function} stays in C: {reason}")
-    return texts
-
-
 def add_code_options(parser: argparse.ArgumentParser) -> None:
     """Ranges, the inverse, and what the processor gives to one sample."""
     parser.add_argument(
@@ -120,17 +109,20 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError(
             f"--assembler {arguments.assembler} is the syntax of the kernels' file; add --kernels {known}"
         )
-    texts = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
+    code = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
     if arguments.kernels:
-        texts = scheduled(arguments.kernels, model.name, texts, console, arguments.assembler)
+        code = with_kernels(code, arguments.kernels, arguments.assembler)
+    for line in code.warnings:
+        console.warn(line)
     folder = Path(arguments.output)
     if arguments.check:
-        return check(texts, folder, console)
-    check_files(folder, list(texts), "-o", arguments.force)
-    write(texts, folder)
-    for name, text in texts.items():
-        console.say(f"written: {folder / name} ({len(text.encode())} bytes)")
-    return console.finish({"model": model.name, "files": {name: len(text.encode()) for name, text in texts.items()}})
+        return check(code.texts, folder, console)
+    check_files(folder, list(code.texts), "-o", arguments.force)
+    code.write(folder)
+    sizes = {name: len(text.encode()) for name, text in code.texts.items()}
+    for name, size in sizes.items():
+        console.say(f"written: {folder / name} ({size} bytes)")
+    return console.finish({"model": model.name, "files": sizes})
 
 
 def restricted(model: Model, arguments: argparse.Namespace) -> Model:

@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import time
 from pathlib import Path
 from typing import Any
 
-from hysgen.certify.certificates import certify
-from hysgen.checking.bits import VerifySettings, verify
+from hysgen.api.code import generate_again, verify
+from hysgen.api.diagnosing import diagnose
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, read_records
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
-from hysgen.cli.verbs.generate import scheduled
-from hysgen.codegen import Options, generate, write
-from hysgen.codegen.manifest import MANIFEST, read_folder, stale
+from hysgen.codegen.manifest import stale
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.causes import causes
-from hysgen.diagnosis.evaluation import diagnose_and_evaluate
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
-from hysgen.fitting.refit import compare, refit, restricted_as, structure_fits
+from hysgen.fitting.refit import compare, refit, structure_fits
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record
-from hysgen.report.words import price_of, verdict
-from hysgen.targets import with_kernels_in
+from hysgen.report.words import verdict
 
 REFIT_HELP = """\
 Identify a model again from a new record: same structure, new numbers.
@@ -92,9 +87,9 @@ def run_refit(arguments: argparse.Namespace, console: Console) -> int:
 
 def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     """Diagnose the new record and list the causes that the old model has no part for. Returns the diagnosis as JSON."""
-    settings = DiagnoseSettings(fit=FitSettings(name=old.name, rules=old.grid.rules), price=price_of)
+    settings = DiagnoseSettings(fit=FitSettings(name=old.name, rules=old.grid.rules))
     try:
-        study = diagnose_and_evaluate(record, settings=settings, progress=console.progress)
+        study = diagnose(record, settings=settings, progress=console.progress)
     except HysgenError as fault:
         console.say(f"diagnosis: {fault}")
         return {"error": str(fault)}
@@ -110,43 +105,16 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     return study.diagnosis.to_json() | {"lacking": lacking}
 
 
-def as_before(model: Model, folder: Path) -> tuple[Model, Options]:
-    """The new model with the learner and ranges of the one in the folder, and the options of its generation.
-
-    Without a manifest in the folder: the model itself, with the inverse where that is certified. Raises HysgenError if
-    the folder holds the C of a model of another name.
-    """
-    if not (folder / MANIFEST).exists():
-        return model, Options(inverse=certify(model).inverse_holds)
-    before = read_folder(folder)
-    if before.model.name != model.name:
-        raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
-    options = before.facts.get("options", {})
-    clock_Hz = float(options.get("clock_Hz", Options().clock_Hz))
-    stated = before.facts.get("cost", {}).get("cycles", {}).items()
-    measured = {function: int(cycles["value"]) for function, cycles in stated if cycles["measured"]}
-    model = restricted_as(before.model, dataclasses.replace(model, learner=before.model.learner))
-    inverse, aligned = bool(options.get("inverse")), "kernels" in before.facts
-    return model, Options(inverse, clock_Hz, measured, options.get("budget_cycles"), aligned)
-
-
-def texts_as_before(model: Model, folder: Path, console: Console) -> dict[str, str]:
-    """The C of the new model with the options, kernels and assemblers of the folder. Raises HysgenError as above."""
-    model, options = as_before(model, folder)
-    texts = generate(model, options)
-    if options.aligned:
-        item, assembler = with_kernels_in(model.name, read_folder(folder).texts)
-        texts = scheduled(item, model.name, texts, console, assembler)
-    return texts
-
-
 def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
     """Write the C of the new model into its folder and compare it with its reference. Returns the result as JSON."""
-    texts = texts_as_before(model, folder, console)
-    changed = [item.name for item in stale(texts, folder)]
-    write(texts, folder)
-    console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {len(texts) - len(changed)} files")
-    report = verify(folder, VerifySettings(samples=VERIFIED_SAMPLES, other_models=0), console.progress)
+    code = generate_again(model, folder)
+    for line in code.warnings:
+        console.warn(line)
+    changed = [item.name for item in stale(code.texts, folder)]
+    code.write(folder)
+    same = len(code.texts) - len(changed)
+    console.say(f"changed in {folder}: {', '.join(changed) or 'nothing'}; as before: {same} files")
+    report = verify(folder, VERIFIED_SAMPLES, console.progress)
     console.say(report.lines()[-1])
     return {"changed": changed, "equal": report.equal, "samples": report.samples}
 

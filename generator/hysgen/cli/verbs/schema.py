@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from hysgen.cli.console import Console
-from hysgen.cli.schemas import names, text_of
 from hysgen.cli.verbs import Verb
+from hysgen.schemas import names, text_of
 
 HELP = """\
 Print the JSON Schema of what --json writes, of a model file or of a manifest; without a name, list them."""

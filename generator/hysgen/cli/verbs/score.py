@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
-from hysgen.certify.certificates import certify
-from hysgen.certify.dynamics import dynamics
+from hysgen.api.models import PAPERS_MODEL, certificates, describe, rivals, score
 from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_model, add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
-from hysgen.model.scores import Score, score, score_lines, score_prediction
+from hysgen.model.scores import Score, score_lines
 from hysgen.model.simulate import free_run, one_step
-from hysgen.record import Record
 
 SCORE_HELP = """\
 Score a model on a record: one step, against the horizon, and in free run, beside persistence and the noise floor."""
 DESCRIBE_HELP = """\
 Show what a model is as a dynamic system: time constant, DC gain, loop against frequency, certificates."""
-
-PAPERS_MODEL = "paper's model"
 
 SCORE_EXAMPLES = (
     "hysgen score stage.json later.csv --plot free-run.png",
@@ -60,11 +55,12 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     record = whole.rows(*parse_rows(arguments.rows, whole.samples, whole.Ts_s)) if arguments.rows else whole
     scores = score(model, record, arguments.settle)
     result = scores.to_json()
-    rivals: list[tuple[str, Score]] = []
+    others_fitted: dict[str, Score] = {}
     if arguments.rivals:
         known = whole.rows(*parse_rows(arguments.rivals, whole.samples, whole.Ts_s))
-        rivals = _rivals(known, record, arguments.settle if scores.unknown_past is None else scores.unknown_past.rows)
-        simple = dict(rivals)[PAPERS_MODEL]
+        unscored = arguments.settle if scores.unknown_past is None else scores.unknown_past.rows
+        others_fitted = rivals(known, record, 0 if unscored is None else unscored)
+        simple = others_fitted[PAPERS_MODEL]
         if scores.free_run.e_rms_um > simple.e_rms_um:
             console.warn(
                 f"{record.source}: in free run the model is worse than the paper's model, fitted to rows "
@@ -80,15 +76,15 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\nbeside each other")
         console.say("\n".join(score_lines(rows)))
         result["beside"] = {name: one.to_json() for name, one in beside.items()}
-    if rivals:
+    if others_fitted:
         console.say("\nrivals in free run")
-        console.say("\n".join(score_lines(rivals)))
-        result["rivals_free_run"] = {name: rival.to_json() for name, rival in rivals}
+        console.say("\n".join(score_lines(list(others_fitted.items()))))
+        result["rivals_free_run"] = {name: rival.to_json() for name, rival in others_fitted.items()}
     if arguments.report:
         from hysgen.report.model import ScoredModels, model_page
 
         name = Path(arguments.model).stem if beside else model.name
-        scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, rivals)
+        scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, list(others_fitted.items()))
         title = f"{', '.join(scored.models)} on {record.source}"
         write_whole(Path(arguments.report), model_page(title, scored, command=command_line()).html())
         console.say(f"\nwritten: {arguments.report}")
@@ -104,35 +100,21 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     return console.finish(result)
 
 
-def _rivals(known: Record, record: Record, unscored: int | Sequence[int] | None) -> list[tuple[str, Score]]:
-    """Name and free-run score on a record of the paper's model and its rivals, fitted to `known`.
-
-    unscored: samples at the start of each segment that are not scored. Raises FitError as the fits do.
-    """
-    from hysgen.fitting import fit
-    from hysgen.model.rivals import fit_rivals, score_rivals
-
-    settle = 0 if unscored is None else unscored
-    outputs = [run.y_um for run in free_run(fit(known), record)]
-    simple = score_prediction(record, outputs, settle)
-    return [(PAPERS_MODEL, simple), *score_rivals(fit_rivals(known), record, settle)]
-
-
 def describe_arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
 
 
 def run_describe(arguments: argparse.Namespace, console: Console) -> int:
     model = load_model(arguments.model)
-    system, certificates = dynamics(model), certify(model)
+    system, certified = describe(model), certificates(model)
     console.say(system.describe())
     for block in model.blocks:
         console.say(f"path: {block.kind}: {block.describe()}")
     for term in model.terms:
         console.say(f"disturbance: {term.kind}: {term.describe()}")
     console.say()
-    console.say("\n".join(certificates.lines()))
-    return console.finish({"dynamics": system.to_json(), "certificates": certificates.to_json()})
+    console.say("\n".join(certified.lines()))
+    return console.finish({"dynamics": system.to_json(), "certificates": certified.to_json()})
 
 
 VERBS = {

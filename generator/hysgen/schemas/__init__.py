@@ -1,23 +1,19 @@
 """The published JSON Schemas: of the JSON of each verb, of model files and of manifests (docs/json.md).
 
-`schema_files/NAME-VERSION.json`, JSON Schema draft 2020-12. A schema names the keys that are always there and the types
-of all known keys; further keys may come within a version.
+`NAME-VERSION.json` beside this module, JSON Schema draft 2020-12. A schema names the keys that are always there and the
+types of all known keys; further keys may come within a version.
 """
 
 from __future__ import annotations
 
-import json
 from importlib import resources
-from typing import Any
 
 from hysgen.errors import HysgenError
-
-FOLDER = "schema_files"
 
 
 def names() -> list[str]:
     """The names of all schemas with their versions, as `score-1`."""
-    folder = resources.files(__package__) / FOLDER
+    folder = resources.files(__package__)
     return sorted(entry.name.removesuffix(".json") for entry in folder.iterdir() if entry.name.endswith(".json"))
 
 
@@ -31,10 +27,4 @@ def text_of(name: str) -> str:
     if not found:
         raise HysgenError(f"{name}: no such schema; choose from {', '.join(names())}")
     newest = max(found, key=lambda each: int(each.rpartition("-")[2]))
-    return (resources.files(__package__) / FOLDER / f"{newest}.json").read_text(encoding="utf-8")
-
-
-def schema_for(result: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a result by its keys `schema` and `version`. Raises HysgenError if there is none."""
-    schema: dict[str, Any] = json.loads(text_of(f"{result['schema']}-{result['version']}"))
-    return schema
+    return (resources.files(__package__) / f"{newest}.json").read_text(encoding="utf-8")

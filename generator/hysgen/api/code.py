@@ -1,0 +1,180 @@
+"""From a model to C, its checks and its cost, folders for other tools, and running firmware."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hysgen import schemas
+from hysgen.api.models import Progress
+from hysgen.certify.certificates import certify
+from hysgen.checking.bits import VerifySettings, verify_texts
+from hysgen.checking.bits.report import Report
+from hysgen.checking.cost import Cost, cost_of_texts
+from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
+from hysgen.codegen import Options, write
+from hysgen.codegen import generate as generate_texts
+from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.display import Displayed, Summary
+from hysgen.errors import HysgenError
+from hysgen.firmware.binding import firmware_model, with_learner
+from hysgen.firmware.image import NO_KEY, Label, encode
+from hysgen.firmware.link import BAUD, Client, open_line
+from hysgen.fitting.refit import restricted_as
+from hysgen.model.file import model_of
+from hysgen.model.model import Model
+from hysgen.targets import Target, with_kernels_in
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Generated(Displayed):
+    """Generated files: the model, texts by file name, warnings; `code["stage.h"]` is one text."""
+
+    model: Model
+    texts: Mapping[str, str]
+    warnings: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> str:
+        return self.texts[name]
+
+    def write(self, folder: str | Path) -> Path:
+        """Write every file into a folder, each whole or not at all. Returns the folder."""
+        write(self.texts, Path(folder))
+        return Path(folder)
+
+    def summary(self) -> Summary:
+        """The files and their sizes."""
+        rows = [[name, f"{len(text.splitlines())}", f"{len(text.encode())}"] for name, text in self.texts.items()]
+        return Summary(f"C of model {self.model.name}: {len(self.texts)} files", ["file", "lines", "bytes"], rows)
+
+
+def generate(model: Model, options: Options | None = None) -> Generated:
+    """The C of a model as text; by default with the inverse if that is certified.
+
+    Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period.
+    """
+    model = model_of(model)
+    chosen = options or Options(inverse=certify(model).inverse_holds)
+    return Generated(model, generate_texts(model, chosen))
+
+
+def _as_before(model: Model, folder: Path) -> tuple[Model, Options]:
+    """The new model with the learner and ranges of the model in the folder, and the options of its generation.
+
+    Without a manifest in the folder: the model itself, with the inverse where that is certified. Raises HysgenError if
+    the folder holds the C of a model of another name.
+    """
+    if not (folder / MANIFEST).exists():
+        return model, Options(inverse=certify(model).inverse_holds)
+    before = read_folder(folder)
+    if before.model.name != model.name:
+        raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
+    options = before.facts.get("options", {})
+    clock_Hz = float(options.get("clock_Hz", Options().clock_Hz))
+    stated = before.facts.get("cost", {}).get("cycles", {}).items()
+    measured = {function: int(cycles["value"]) for function, cycles in stated if cycles["measured"]}
+    model = restricted_as(before.model, dataclasses.replace(model, learner=before.model.learner))
+    inverse, aligned = bool(options.get("inverse")), "kernels" in before.facts
+    return model, Options(inverse, clock_Hz, measured, options.get("budget_cycles"), aligned)
+
+
+def generate_again(model: Model, folder: str | Path) -> Generated:
+    """The C of a new model with the learner, ranges, options, kernels and assemblers of the folder of the old one.
+
+    Raises HysgenError if the folder holds the C of a model of another name, and as `generate` does.
+    """
+    model, options = _as_before(model_of(model), Path(folder))
+    code = generate(model, options)
+    if not options.aligned:
+        return code
+    target, assembler = with_kernels_in(model.name, read_folder(Path(folder)).texts)
+    return with_kernels(code, target, assembler)
+
+
+def with_kernels(code: Generated, target: Target, assembler: str = "") -> Generated:
+    """The C with the kernels of a target; warnings name each function that stays in C."""
+    if target.kernels is None:
+        raise HysgenError(f"{target.name}: has no kernels")
+    texts, refused = target.kernels.schedule(code.model.name, code.texts, assembler or target.kernels.assemblers[0])
+    return Generated(code.model, texts, tuple(f"{name} stays in C: {reason}" for name, reason in refused.items()))
+
+
+def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progress | None = None) -> Report:
+    """Compare generated C, or a folder of it, with its float32 reference, bit for bit, in every available build.
+
+    samples: per build. Raises HysgenError if the folder is incomplete or there is no compiler.
+    """
+    settings = VerifySettings(samples=samples, other_models=0)
+    if isinstance(code, Generated):
+        return verify_texts(code.model, code.texts, settings, progress)
+    folder = read_folder(Path(code))
+    return verify_texts(folder.model, folder.texts, settings, progress, folder.altered)
+
+
+def prove(
+    code: Generated | str | Path,
+    checks: Sequence[str] = ("warnings", "misra", "sanitize"),
+    settings: CheckSettings | None = None,
+    progress: Progress | None = None,
+) -> Proof:
+    """Checks of generated C, or of a folder of it, without the target; "eva" takes minutes and needs Frama-C.
+
+    Raises HysgenError for an unknown check, and if a tool of a check is not installed.
+    """
+    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
+    chosen, report = settings or CheckSettings(), progress or (lambda fraction, line: None)
+    return Proof(model.name, {name: CHECKS[name](model, texts, chosen, report) for name in known_checks(checks)})
+
+
+def cost(code: Generated | str | Path) -> Cost:
+    """The cost of generated C, or of a folder of it: operations, cycles against the sample period, bytes."""
+    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
+    return cost_of_texts(model, texts, timed=False)
+
+
+def _of_folder(folder: str | Path) -> tuple[Model, Mapping[str, str]]:
+    found = read_folder(Path(folder))
+    return found.model, found.texts
+
+
+def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:
+    """Write a folder for another tool, with its binaries. Returns the paths of its files.
+
+    target: sfunction, fmu, a2l, cmake, shared, cortexm, or the name of an export that was added. Raises HysgenError for
+    any other, BuildError without a compiler.
+    """
+    from hysgen import export
+
+    return export.write_export(model_of(model), target, Path(folder), options)
+
+
+def firmware_files(model: Model) -> Generated:
+    """The C of a model as the firmware takes it, with model.h and, if the model has no learner, one of its rules."""
+    model = model_of(model)
+    chosen = model if model.learner is not None else with_learner(model)
+    return Generated(chosen, firmware_model(chosen))
+
+
+def image(model: Model, label: Label | None = None, key: bytes = NO_KEY) -> bytes:
+    """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified.
+
+    label: device, build and counter of the image; key: the firmware's 16 bytes (`hysgen.firmware.image`).
+    """
+    return encode(model_of(model), label or Label(), key)
+
+
+def connect(port: str, baud: int = BAUD) -> Client:
+    """Running firmware over its serial line: `with hysgen.connect("/dev/ttyUSB0") as stage: stage.status()`.
+
+    Needs pyserial. Raises HysgenError if the port cannot be opened.
+    """
+    return Client(open_line(port, baud))
+
+
+def schema(name: str) -> dict[str, Any]:
+    """The JSON Schema of the result of a verb ("score", "score-1"), of "model" or "manifest". Raises HysgenError."""
+    content: dict[str, Any] = json.loads(schemas.text_of(name))
+    return content

@@ -1,0 +1,141 @@
+"""From a record to a model: inspect, fit, score, refit, compare."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from hysgen.certify.certificates import Certificates, certify
+from hysgen.certify.dynamics import Dynamics, dynamics
+from hysgen.errors import FitError, RecordWarning
+from hysgen.fitting import FitSettings, PathSize
+from hysgen.fitting import fit as fit_model
+from hysgen.fitting.refit import Comparison
+from hysgen.fitting.refit import compare as compare_models
+from hysgen.fitting.refit import refit as refit_model
+from hysgen.model.file import model_of
+from hysgen.model.model import Model
+from hysgen.model.rivals import fit_rivals, score_rivals
+from hysgen.model.scores import Score, Scores, score_identification, score_prediction
+from hysgen.model.scores import score as score_model
+from hysgen.model.simulate import free_run
+from hysgen.record import Record, check_for_fit
+from hysgen.record.columns import nearest
+from hysgen.record.inspection import Inspection
+from hysgen.record.inspection import inspect as inspect_record
+from hysgen.record.read import record_of
+from hysgen.uncertainty.history import LIMIT_PERCENT, History
+from hysgen.uncertainty.history import history as history_of
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Progress = Callable[[float, str], None]
+Settings = TypeVar("Settings", bound="DataclassInstance")
+
+PAPERS_MODEL = "paper's model"
+
+
+def fit(
+    record: Record | Any,
+    settings: FitSettings | None = None,
+    *,
+    memory: bool | int | PathSize = False,
+    progress: Progress | None = None,
+    **changes: Any,
+) -> Model:
+    """A model of a record: by default the paper's structure with refined free run, otherwise as in `settings`.
+
+    record: a Record, a DataFrame, or the name of a file. memory: whether the path holds a hysteresis: True, the number
+    of its plays, or a PathSize. changes: fields of FitSettings, as rules=8. Raises FitError or RecordError.
+    """
+    record = record_of(record)
+    chosen = with_changes(settings or FitSettings(), changes)
+    if memory is not False:
+        size = PathSize(plays=memory) if isinstance(memory, int) and memory is not True else memory
+        chosen = dataclasses.replace(chosen, memory=PathSize() if size is True else size)
+    warn(check_for_fit(record, chosen.rules, parameter_count(chosen, record)))
+    return fit_model(record, chosen, progress=progress)
+
+
+def parameter_count(settings: FitSettings, record: Record) -> int:
+    """Parameters that `fit` identifies: three of each rule, and the weights of the hysteresis."""
+    rules = 3 * settings.rules
+    return rules if settings.memory is None else rules + settings.memory.operator(*record.u_range_V).size
+
+
+def scored(model: Model, record: Record) -> tuple[Model, Scores]:
+    """The model with its scores on the record that it was fitted to, which `refit` compares its own with."""
+    scores = score_identification(model, record)
+    return dataclasses.replace(model, scores={"identification": scores.to_json()}), scores
+
+
+def score(model: Model | str | Path, record: Record | Any, settle: int | None = None) -> Scores:
+    """Errors of a model on a record: one step, against the horizon, in free run; persistence; noise floor.
+
+    settle: samples at the start that are not scored; by default those that depend on an unknown past. Raises ModelError
+    or RecordError.
+    """
+    return score_model(model_of(model), record_of(record), settle)
+
+
+def inspect(record: Record | Any) -> Inspection:
+    """Ranges, noise and excitation of a record, and what each cause needs to show. Raises RecordError."""
+    return inspect_record(record_of(record))
+
+
+def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
+    """The same structure fitted to another record, and its scores there. Raises ModelError, RecordError or FitError."""
+    return refit_model(model_of(model), record_of(record), progress)
+
+
+def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:
+    """What changed from one model to another of the same structure; free-run errors of both on `records`."""
+    return compare_models(model_of(old), model_of(new), [record_of(record) for record in records])
+
+
+def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
+    """What moved over all refits of a stage: its model files in one folder, ordered by name. Raises HysgenError."""
+    return history_of(Path(folder), limit_percent)
+
+
+def rivals(
+    known: Record | Any, unseen: Record | Any, settle: int | Sequence[int] = 0, progress: Progress | None = None
+) -> dict[str, Score]:
+    """Free-run scores on `unseen` of the paper's model and its rivals (Prandtl-Ishlinskii, proportional, ARX).
+
+    Each is fitted to `known`. settle: samples at the start of each segment that are not scored.
+    Raises RecordError or FitError.
+    """
+    known, unseen = record_of(known), record_of(unseen)
+    outputs = [run.y_um for run in free_run(fit_model(known, progress=progress), unseen)]
+    simple = score_prediction(unseen, outputs, settle)
+    return {PAPERS_MODEL: simple, **dict(score_rivals(fit_rivals(known), unseen, settle))}
+
+
+def certificates(model: Model) -> Certificates:
+    """Contraction of the free run, gain and inverse over the whole range of a model."""
+    return certify(model_of(model))
+
+
+def describe(model: Model) -> Dynamics:
+    """A model as a dynamic system: time constant, gain, loop against frequency."""
+    return dynamics(model_of(model))
+
+
+def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:
+    """The settings with these fields. Raises FitError for a field that they do not have."""
+    known = [field.name for field in dataclasses.fields(settings)]
+    for name in changes:
+        if name not in known:
+            raise FitError(f"{name}: is not known{nearest(name, known)}; choose from {', '.join(known)}")
+    return dataclasses.replace(settings, **changes)
+
+
+def warn(lines: Iterable[str]) -> None:
+    """Warn of a record; a verb prints these warnings on stderr."""
+    for line in lines:
+        warnings.warn(line, RecordWarning, stacklevel=3)
