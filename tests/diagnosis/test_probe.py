@@ -21,7 +21,6 @@ from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
-from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import (
     NO_HISTORY,
     Chain,
@@ -38,6 +37,7 @@ from hysgen.diagnosis.probe import (
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
+from hysgen.record.outlier_detection import outlier_flags
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

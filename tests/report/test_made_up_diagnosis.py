@@ -422,7 +422,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
 def scored(name: str, one_step_um: float, free_um: float) -> Scores:
     score = Score(free_um, 2 * free_um, 5.0, 1.25, 600)
     curve = HorizonCurve((1, 10), (one_step_um, free_um), (1.0, 1.0), (5, 5))
-    return Scores(name, "a.csv", "", 0, dataclasses.replace(score, e_rms_um=one_step_um), score,
+    return Scores(name, "a.csv", "", 0, dataclasses.replace(score, e_rms_um=one_step_um), score, score,
                   dataclasses.replace(score, e_rms_um=0.07), curve, NoiseFloor(0.01, "plateaus", 9), 0, 0, TS_S,
                   warnings=(f"{name} is odd",))  # fmt: skip
 
@@ -446,7 +446,9 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
         ("equal bits", "1050 samples per build"),
     ]  # fmt: skip
     assert [row[:2] for row in cells(page.sections[0])] == [
-        ["a, free run", "0.40000"], ["b, free run", "0.30000"], ["a, one step", "0.02000"], ["b, one step", "0.00500"],
+        ["a, free run", "0.40000"], ["b, free run", "0.30000"],
+        ["a, free run, own", "0.40000"], ["b, free run, own", "0.30000"],
+        ["a, one step", "0.02000"], ["b, one step", "0.00500"],
         ["persistence, one step", "0.07000"], ["line, free run", "0.90000"],
     ]  # fmt: skip
     assert list(page.sections[0].tables[0].numbers) == [2, 3, 4, 5]

@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.excerpt import excerpt
 from hysgen.diagnosis.extension import Correction, corrected
-from hysgen.diagnosis.outlier_detection import EDGE
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
 from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
+from hysgen.record.outlier_detection import EDGE
 from hysgen.record.plausibility import at_end
 from hysgen.record.series import first_covering
 

@@ -28,7 +28,6 @@ from hysgen.diagnosis.ladder import (
     gain,
     prune,
 )
-from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.score import LEAST_EVIDENCE, present
@@ -40,6 +39,7 @@ from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor, residual_noise_floor
+from hysgen.record.outlier_detection import outlier_flags
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]

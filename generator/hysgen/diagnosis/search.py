@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes
-from hysgen.diagnosis.outlier_detection import outlier_flags
 from hysgen.diagnosis.probe import (
     Chain,
     Fit,
@@ -42,6 +41,7 @@ from hysgen.diagnosis.search_steps import (
     with_best_lag,
 )
 from hysgen.diagnosis.slow_evidence import Whitenings, slow_part
+from hysgen.record.outlier_detection import outlier_flags
 from hysgen.record.series import resolution_um
 
 Progress = Callable[[str], None]

@@ -15,6 +15,9 @@ bound its state: one after the lowest input of its range, one after the highest,
 
     d(k) = |h(k) after the highest - h(k) after the lowest|,   m(k) = max of d from k on
 
+Two errors of the free run stand side by side: the cold one, of a model that knows nothing of the record before it, and
+the model's own, without what no model can know (`remaining`).
+
 d falls to zero where the record covers the range of the model. Where it does not, a part m(n-1) never falls: no row
 to leave out lowers it, and it is part of the error.
 """
@@ -36,6 +39,7 @@ from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.regression import Starts
+from hysgen.model.remaining import Named, Remaining, Taken, take_out
 from hysgen.model.simulate import HorizonCurve, ModelOutput, free_run, horizon_curve, one_step
 from hysgen.record import Record
 from hysgen.record.excitation import FITTED_RECORD, Conditions, check_validation
@@ -138,6 +142,7 @@ class Scores(Displayed):
     settle: samples at the start of each segment that the caller left out. unknown_past: samples that are left out
     because they depend on the unknown past; None if the caller chose `settle`. with_unknown_past_um: rms error of the
     free run with these samples.
+    own: the free run without what no model can know before the record, `taken`.
     warnings: findings that put the scores in doubt, one line each; they are shown first.
     """
 
@@ -147,6 +152,7 @@ class Scores(Displayed):
     settle: int
     one_step: Score
     free_run: Score
+    own: Score
     persistence: Score
     horizon: HorizonCurve
     noise: NoiseFloor
@@ -155,6 +161,7 @@ class Scores(Displayed):
     Ts_s: float
     unknown_past: UnknownPast | None = None
     with_unknown_past_um: float | None = None
+    taken: tuple[Taken, ...] = ()
     warnings: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
@@ -173,6 +180,7 @@ class Scores(Displayed):
             "warnings": list(self.warnings),
             "one_step": self.one_step.to_json(),
             "free_run": self.free_run.to_json(),
+            "own": self.own.to_json() | {"taken_out": [taken_json(taken) for taken in self.taken]},
             "persistence_one_step": self.persistence.to_json(),
             "horizon": self.horizon.to_json(),
             "noise_floor": self.noise.to_json(),
@@ -182,9 +190,15 @@ class Scores(Displayed):
 
     def summary(self) -> Summary:
         """Table of the scores, with noise floor, horizon curve and clamped samples."""
-        rows = [("free run", self.free_run), ("one step", self.one_step), ("persistence, one step", self.persistence)]
+        rows = [
+            ("free run", self.free_run),
+            (OWN, self.own),
+            ("one step", self.one_step),
+            ("persistence, one step", self.persistence),
+        ]
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
         notes = [
+            f"{OWN}: {describe_taken(self.taken)}",
             self.noise_note(),
             "rms um after " + ", ".join(f"{1e3 * self.Ts_s * steps:.4g} ms: {rms:.4g}" for steps, rms in curve),
         ]
@@ -207,6 +221,21 @@ class Scores(Displayed):
     def table(self) -> str:
         """The summary as text."""
         return self.summary().text()
+
+
+OWN = "free run, own"
+"""Name of the model's own figure in tables."""
+
+
+def describe_taken(taken: Sequence[Taken]) -> str:
+    """What was taken out of a free run, as a phrase for people; the segment is named from the second one on."""
+    parts = [part.text + (f" (segment {part.segment})" if part.segment else "") for part in taken]
+    return "without what no model can know before the record: " + ("; ".join(parts) or "nothing found")
+
+
+def taken_json(taken: Taken) -> dict[str, Any]:
+    """Plain JSON values."""
+    return dataclasses.asdict(taken) | {"rows": list(taken.rows)}
 
 
 USELESS = 0.7
@@ -241,19 +270,38 @@ def score_prediction(record: Record, predicted_um: Sequence[Floats], settle: int
     settle: samples at the start of every segment, or of each, that are not scored.
     Raises RecordError if a number of samples is negative, or if no sample is left.
     """
+    errors = [y_um - segment.y_um for segment, y_um in zip(record.segments, predicted_um, strict=True)]
+    return _score(record, errors, _scored_rows(record, settle))
+
+
+def remaining_of(
+    model: Model, record: Record, predicted_um: Sequence[Floats], settle: int | Sequence[int] = 0
+) -> Remaining:
+    """What a free run of a model leaves of a record, less what no model can know. Arguments as `score_prediction`."""
+    errors = [y_um - segment.y_um for segment, y_um in zip(record.segments, predicted_um, strict=True)]
+    measured = [segment.y_um for segment in record.segments]
+    return take_out(errors, measured, _scored_rows(record, settle), record.Ts_s, Named.of(model))
+
+
+def _scored_rows(record: Record, settle: int | Sequence[int]) -> list[NDArray[np.bool_]]:
+    """(n,) flags of the scored samples of every segment. Raises RecordError as `score_prediction` does."""
     counts = [settle] * len(record.segments) if isinstance(settle, int) else list(settle)
     if min(counts) < 0:
         raise RecordError(f"settle: {min(counts)} is no number of samples; choose 0 or more")
-    errors = [
-        (y_um - segment.y_um)[max(1, first) :]
-        for segment, y_um, first in zip(record.segments, predicted_um, counts, strict=True)
+    scored = [
+        np.arange(segment.samples) >= max(1, first) for segment, first in zip(record.segments, counts, strict=True)
     ]
-    error = np.concatenate(errors)
-    if error.size == 0:
+    if not any(rows.any() for rows in scored):
         raise RecordError(
             f"{record.source}: settle: {max(counts)} samples at the start of each segment leave none of "
             f"{record.samples} to score; choose fewer"
         )
+    return scored
+
+
+def _score(record: Record, errors_um: Sequence[Floats], scored: Sequence[NDArray[np.bool_]]) -> Score:
+    """The score of the errors of every segment on its scored rows."""
+    error = np.concatenate([one[rows] for one, rows in zip(errors_um, scored, strict=True)])
     low, high = record.whole().y_range_um
     rms, largest, span = math.sqrt(float(np.mean(error * error))), float(np.abs(error).max()), high - low
     return Score(
@@ -291,6 +339,7 @@ def score(
     scored = score_prediction(record, _outputs(free), unscored)
     ahead = score_prediction(record, _outputs(one_step(model, record, starts)), unscored)
     resting = score_prediction(record, persistence(record), unscored)
+    remaining = remaining_of(model, record, _outputs(free), unscored)
     clamped = sum(run.y_clamped for run in free), sum(run.u_clamped for run in free)
     return Scores(
         model=model.name,
@@ -299,6 +348,8 @@ def score(
         settle=settle or 0,
         one_step=ahead,
         free_run=scored,
+        own=_score(record, remaining.error_um, remaining.counted),
+        taken=remaining.taken,
         persistence=resting,
         horizon=horizon_curve(model, record, starts=starts, unscored=unscored),
         noise=noise,

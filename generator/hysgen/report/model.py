@@ -11,7 +11,7 @@ import numpy as np
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost
 from hysgen.model.model import Model
-from hysgen.model.scores import SCORE_HEADER, Score, Scores, score_rows
+from hysgen.model.scores import OWN, SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
@@ -63,6 +63,7 @@ class ScoredModels:
     def rows(self) -> list[tuple[str, Score]]:
         """(label, score): every model in free run, every model one step ahead, persistence, the rivals."""
         rows = [(f"{name}, free run", s.free_run) for name, s in self.scores.items()]
+        rows += [(f"{name}, {OWN}", s.own) for name, s in self.scores.items()]
         rows += [(f"{name}, one step", s.one_step) for name, s in self.scores.items()]
         rows.append(("persistence, one step", next(iter(self.scores.values())).persistence))
         return rows + [(f"{name}, free run", score) for name, score in self.rivals]

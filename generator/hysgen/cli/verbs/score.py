@@ -11,7 +11,7 @@ from hysgen.cli.options import add_model, add_record_options, parse_rows, read_r
 from hysgen.cli.verbs import Verb
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
-from hysgen.model.scores import Score, score_lines
+from hysgen.model.scores import OWN, Score, score_lines
 from hysgen.model.simulate import free_run, one_step
 
 SCORE_HELP = """\
@@ -72,6 +72,7 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     if beside:
         shown = {**beside, Path(arguments.model).stem: scores}
         rows = [(f"{name}, free run", one.free_run) for name, one in shown.items()]
+        rows += [(f"{name}, {OWN}", one.own) for name, one in shown.items()]
         rows += [(f"{name}, one step", one.one_step) for name, one in shown.items()]
         console.say("\nbeside each other")
         console.say("\n".join(score_lines(rows)))

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.outlier_detection import LEAST_DEVIATION, local_scatter
 from hysgen.diagnosis.probe import Fit
+from hysgen.record.outlier_detection import LEAST_DEVIATION, local_scatter
 from hysgen.record.series import MEDIAN_TO_DEVIATION
 
 Floats = NDArray[np.float64]

@@ -126,6 +126,10 @@ class InputBlock(ModelPart):
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         """Output (n,) of the inputs u_V (n,), in float64, from the state `start`, by default at rest under u(0)."""
 
+    def free_responses(self, t_s: Floats) -> list[Floats]:
+        """Courses of unit size, (n,) each, by which a state from before the record fades; t_s: (n,) since its start."""
+        return []
+
     def image(self, u_V: Interval) -> Interval:
         """Range of the output for inputs in u_V."""
         return u_V

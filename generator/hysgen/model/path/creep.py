@@ -72,6 +72,10 @@ class Creep(InputBlock):
         states = lag_states(u_V, self.rates(Ts_s), self.start(float(u_V[0])) if start is None else start)
         return np.asarray(u_V + self.amount * states.sum(axis=1))
 
+    def free_responses(self, t_s: Floats) -> list[Floats]:
+        """exp(-t / tau_i)"""
+        return [np.exp(-t_s / tau_s) for tau_s in self.tau_s]
+
     def image(self, u_V: Interval) -> Interval:
         """x + amount sum s_i with x and every s_i anywhere in the range of x."""
         return spread(u_V, len(self.tau_s) * self.amount)

@@ -17,6 +17,7 @@ Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digit
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -136,6 +137,14 @@ class Modes(InputBlock):
         for j, (position, velocity) in enumerate(zip(*self.outputs(Ts_s), strict=True)):
             out += self.share[j] * (position * states[:, 2 * j] + velocity * states[:, 2 * j + 1])
         return out
+
+    def free_responses(self, t_s: Floats) -> list[Floats]:
+        """exp(-zeta w0 t) cos(wd t), exp(-zeta w0 t) sin(wd t),   wd = sqrt(1 - zeta^2) w0"""
+        found = []
+        for f_Hz, zeta in zip(self.f_Hz, self.zeta, strict=True):
+            fading, turn = np.exp(-zeta * 2.0 * np.pi * f_Hz * t_s), math.sqrt(1.0 - zeta**2) * 2.0 * np.pi * f_Hz * t_s
+            found += [fading * np.cos(turn), fading * np.sin(turn)]
+        return found
 
     def image(self, u_V: Interval) -> Interval:
         """The range of the input, wider by half its width at each end: more is not believed of a mode."""

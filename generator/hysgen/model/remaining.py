@@ -1,0 +1,323 @@
+"""What a model leaves of a record, less what no model can know before the record: its own figure beside the cold one.
+
+    y - yhat = sum over groups G of B_G a_G + what the model leaves        least squares on the scored rows of a segment
+
+    past        1, the free responses of the path (`InputBlock.free_responses`)
+    periodic    cos, sin of each line: its phase in this record
+    drift       its course, about its mean            aging       t yhat, about its mean
+    jump        1 from one row on                     gain step   1 and yhat from one row on
+    outliers    rows that no motion explains (`outlier_flags`), which are not counted
+
+Structure and parameters of the model are held. A group is limited to what the model or the diagnosis names (`Named`);
+jumps, gain steps and outliers are named by the rows themselves. A group takes nothing out unless its evidence is at
+least LEAST_EVIDENCE:
+
+    evidence = N ln(S without / S with) - p ln N,    N = rows / `dispersion`
+
+S: sum of squares, p: independent columns. A sudden change must also show at once: beside a straight line, the
+prediction and its square, in the rows around it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.record.outlier_detection import outlier_flags
+from hysgen.record.series import residual_noise, resolution_um
+
+if TYPE_CHECKING:
+    from hysgen.model.model import Model
+    from hysgen.model.path import InputBlock
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Course = Callable[[Floats, Floats], Floats]
+"""Course of a slow change, (n,), of the time since the start of the segment and of the prediction, (n,) each."""
+
+LEAST_EVIDENCE = 10.0
+"""Least evidence of a group: odds of 150 to 1."""
+
+UNLIKELY = 18.4
+"""2 ln of the odds against a sudden change before the record: once a day, in a record of ten seconds."""
+
+MOST_CHANGES, FEWEST = 8, 200
+"""Sudden changes of a segment that are searched for, and the least rows of a search."""
+
+LEAST_SHARE = 0.5
+"""Least share of a sudden change that shows in the rows around it, and largest excess over it."""
+
+FEWEST_AROUND = 24
+"""Least rows on each side of a sudden change, for four smooth columns and the change."""
+
+BLOCKS, SLOWEST = 40, 10
+"""Blocks of rows in `dispersion`, and number of its slow coefficients: their mean has a standard deviation of 45 %."""
+
+DEPENDENT = 0.03
+"""Singular value of columns of length 1 below which they do not count as independent."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """What may be taken out of the error of a model.
+
+    blocks: its path, whose state before the record is unknown. lines_Hz: its disturbing lines. courses: the slow
+    changes of the displacement, by the cause that names them.
+    """
+
+    blocks: tuple[InputBlock, ...] = ()
+    lines_Hz: tuple[float, ...] = ()
+    courses: tuple[tuple[str, Course], ...] = ()
+
+    @classmethod
+    def of(cls, model: Model) -> Self:
+        """What a model names itself."""
+        lines = (term.f_Hz for term in model.terms if isinstance(term, Periodic))
+        drifts = tuple(("drift", ramp) for term in model.terms if isinstance(term, Drift))
+        return cls(tuple(block for block in model.blocks if block.responds), next(lines, ()), drifts)
+
+
+def ramp(t_s: Floats, predicted_um: Floats) -> Floats:
+    """The course of a drift of constant rate."""
+    return t_s
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What was taken out of one segment: its cause, a description, and its rms over the scored rows.
+
+    rows: places of wrong readings in the segment, which are not counted; empty for any other cause.
+    """
+
+    cause: str
+    text: str
+    segment: int
+    rms_um: float
+    rows: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Remaining:
+    """Per segment: error_um, (n,) yhat - y without what was taken out; counted, (n,) flags of the rows that count."""
+
+    error_um: tuple[Floats, ...]
+    counted: tuple[Flags, ...]
+    taken: tuple[Taken, ...]
+
+    @property
+    def rms_um(self) -> float:
+        """Rms of the error on the rows that count."""
+        left = np.concatenate([error[rows] for error, rows in zip(self.error_um, self.counted, strict=True)])
+        return math.sqrt(float(np.mean(left * left))) if left.size else math.nan
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Columns, (p, r) on the scored rows. at: row of a sudden change."""
+
+    cause: str
+    label: str
+    columns: Floats
+    at: int | None = None
+
+    @property
+    def orders(self) -> int:
+        """Number of independent columns, and one for the row of a sudden change."""
+        lengths = np.linalg.norm(self.columns, axis=1, keepdims=True) + 1e-300
+        independent = int(np.linalg.matrix_rank(self.columns / lengths, tol=DEPENDENT))
+        return independent + (self.at is not None)
+
+    def text(self, amounts: Floats) -> str:
+        """The description with its size. amounts: (p,) weights of the columns."""
+        course_nm = 1e3 * (amounts @ self.columns)
+        if self.cause == "past":
+            return f"{self.label}: {course_nm[0]:.3g} nm on the first scored row, {course_nm[-1]:.3g} nm on the last"
+        if self.cause == "periodic":
+            return f"{self.label}: {1e3 * float(np.hypot(*amounts)):.3g} nm off the model's"
+        if self.at is None:
+            return f"{self.label}: {float(np.ptp(course_nm)):.3g} nm over the scored rows"
+        return (
+            f"{self.label} by {1e3 * amounts[0]:+.3g} nm" if len(amounts) == 1 else f"{self.label} by {amounts[1]:+.2%}"
+        )
+
+
+def take_out(
+    error_um: Sequence[Floats], y_um: Sequence[Floats], scored: Sequence[Flags], Ts_s: float, named: Named
+) -> Remaining:
+    """What a model leaves of every segment without what no model can know before it.
+
+    error_um: (n,) yhat - y; y_um: (n,) measured; scored: (n,) its scored rows, of each segment. Other rows keep their
+    error and do not count.
+    """
+    left, counted, taken = [], [], list[Taken]()
+    for number, (error, measured_um, rows) in enumerate(zip(error_um, y_um, scored, strict=True)):
+        own, counts = error.copy(), rows.copy()
+        at = np.flatnonzero(rows)
+        if at.size >= FEWEST:
+            wrong = at[outlier_flags(error[at], resolution_um(measured_um[at]), (measured_um + error)[at])]
+            counts[wrong] = False
+            at = np.flatnonzero(counts)
+            if wrong.size:
+                rms_um = math.sqrt(float(error[wrong] @ error[wrong]) / (at.size + wrong.size))
+                taken.append(Taken("outliers", f"{wrong.size} wrong readings", number, rms_um, tuple(wrong.tolist())))
+            t_s: Floats = Ts_s * at.astype(np.float64)
+            predicted_um = (measured_um + error)[at]
+            groups = _supported(-error[at], _groups(named, t_s, predicted_um), t_s, predicted_um)
+            for group, part in zip(groups, _amounts(-error[at], groups), strict=True):
+                course = part @ group.columns
+                own[at] += course
+                taken.append(Taken(group.cause, group.text(part), number, float(np.sqrt(np.mean(course * course)))))
+        left.append(own)
+        counted.append(counts)
+    return Remaining(tuple(left), tuple(counted), tuple(taken))
+
+
+def _groups(named: Named, t_s: Floats, predicted_um: Floats) -> list[_Group]:
+    """The groups of columns that are named, on rows at t_s after the start of a segment."""
+    groups = []
+    if named.blocks or named.courses:
+        # The sensor's zero may have moved; a free response that fades within a row shows nothing.
+        past = [np.ones(t_s.size), *(column for block in named.blocks for column in block.free_responses(t_s))]
+        shown = [column for column in past if np.abs(column).sum() > 1.0]
+        groups.append(_Group("past", "state before the first row", np.stack(shown)))
+    for f_Hz in named.lines_Hz:
+        turn = 2.0 * np.pi * f_Hz * t_s
+        groups.append(_Group("periodic", f"line at {f_Hz:.6g} Hz", np.stack([np.cos(turn), np.sin(turn)])))
+    for cause, course in named.courses:
+        found = course(t_s, predicted_um)
+        groups.append(_Group(cause, cause, (found - found.mean())[None]))
+    return groups
+
+
+def _supported(y_um: Floats, groups: list[_Group], t_s: Floats, predicted_um: Floats) -> list[_Group]:
+    """The groups with evidence, and the sudden changes that the rows show beside them."""
+    for _ in range(MOST_CHANGES):
+        change = _best_change(y_um, groups, t_s, predicted_um)
+        if change is None:
+            break
+        groups = [*groups, change]
+    while groups:
+        whole = _left(y_um, groups)
+        falls = [
+            evidence(_left(y_um, [other for other in groups if other is not group]), whole, group.orders)
+            for group in groups
+        ]
+        least = int(np.argmin(falls))
+        if falls[least] >= LEAST_EVIDENCE:
+            break
+        groups = [group for i, group in enumerate(groups) if i != least]
+    return groups
+
+
+def evidence(without_um: Floats, with_um: Floats, orders: int) -> float:
+    """N ln(S without / S with) - p ln N of two errors, (n,) each, the second with `orders` parameters more."""
+    independent = max(len(with_um) / dispersion(with_um, without_um - with_um), 2.0)
+    ratio = (float(without_um @ without_um) + 1e-300) / (float(with_um @ with_um) + 1e-300)
+    return independent * math.log(ratio) - orders * math.log(independent)
+
+
+def dispersion(error: Floats, effect: Floats) -> float:
+    """Number of samples of a residual that count as one independent sample where an effect acts, at least 1.
+
+        g_b = sum over block b of error * effect
+        c   = max over G of the mean of G_j^2 for j in G, over that of a white residual;   G = DCT of g
+
+    error, effect: (n,). G: all coefficients, or the SLOWEST ones, which an error slower than a block makes larger.
+    """
+    edges = np.linspace(0, len(error), BLOCKS + 1).astype(np.intp)
+    products = np.add.reduceat(error * effect, edges[:-1])
+    powers = np.add.reduceat(effect * effect, edges[:-1]) * float(np.mean(error * error))
+    waves = np.cos(np.pi * np.outer(np.arange(BLOCKS), np.arange(BLOCKS) + 0.5) / BLOCKS)
+    found, white = (waves @ products) ** 2, waves**2 @ powers + 1e-300
+    return max(1.0, *(float(found[1:last].sum() / white[1:last].sum()) for last in (SLOWEST + 1, BLOCKS)))
+
+
+def _amounts(y_um: Floats, groups: Sequence[_Group]) -> list[Floats]:
+    """The weights of the columns of each group, by least squares."""
+    if not groups:
+        return []
+    columns = np.concatenate([group.columns for group in groups])
+    scale = np.sqrt(np.einsum("ij,ij->i", columns, columns)) + 1e-100
+    gram = columns @ columns.T / np.outer(scale, scale)
+    solved = np.linalg.lstsq(gram, columns @ y_um / scale, rcond=1e-10)[0] / scale
+    return np.split(solved, np.cumsum([len(group.columns) for group in groups])[:-1])
+
+
+def _left(y_um: Floats, groups: Sequence[_Group]) -> Floats:
+    """(r,) what the groups do not explain."""
+    explained = [part @ group.columns for part, group in zip(_amounts(y_um, groups), groups, strict=True)]
+    return np.asarray(y_um - np.sum(explained, axis=0)) if explained else y_um
+
+
+def _best_change(y_um: Floats, groups: Sequence[_Group], t_s: Floats, predicted_um: Floats) -> _Group | None:
+    """The sudden change that lowers the error most beside the groups; None if it is not evident and at once."""
+    for at in _candidates(y_um, groups, predicted_um):
+        later = (np.arange(t_s.size) >= at).astype(np.float64)
+        jump = _Group("jump", f"the displacement jumps at {t_s[at]:.4g} s", later[None], at)
+        step = _Group("gain step", f"the gain changes at {t_s[at]:.4g} s", np.stack([later, later * predicted_um]), at)
+        by_jump, by_step = (_left(y_um, [*groups, change]) for change in (jump, step))
+        change = step if evidence(by_jump, by_step, 1) > LEAST_EVIDENCE else jump
+        if _at_once(y_um, [*groups, change], at, predicted_um):
+            return change
+    return None
+
+
+def _candidates(y_um: Floats, groups: Sequence[_Group], predicted_um: Floats) -> Iterator[int]:
+    """Rows of the jump and of the gain step that lower the sum of squares most, (H e)^2 / (H P H) each.
+
+    H: the part of 1, or of yhat, from a row on; e: what the groups leave; P: the projector off their columns. No row
+    within a block of either end, or of another change.
+    """
+    error, n = _left(y_um, groups), y_um.size
+    columns = np.concatenate([group.columns for group in groups]) if groups else np.zeros((0, n))
+    lengths = np.linalg.norm(columns, axis=1, keepdims=True) + 1e-300
+    basis = np.linalg.qr((columns / lengths).T)[0].T if len(columns) else columns
+    least = n // BLOCKS + 1
+    barred = [0, n, *(group.at for group in groups if group.at is not None)]
+    for direction in (np.ones(n), predicted_um - predicted_um.mean()):
+        shown = _from_each_on(direction * error)
+        free = _from_each_on(direction**2) - np.sum(_from_each_on(direction * basis) ** 2, axis=0)
+        falls = shown**2 / np.maximum(free, 1e-3 * free.max() + 1e-300)
+        for place in barred:
+            falls[max(place - least, 0) : place + least] = -1.0
+        if falls.max() > 0.0:
+            yield int(np.argmax(falls))
+
+
+def _at_once(y_um: Floats, groups: Sequence[_Group], at: int, predicted_um: Floats) -> bool:
+    """Whether the last group, a change at row `at`, shows as large in the rows around it, where no bend resembles it.
+
+    Beside a straight line, the prediction and its square; the likelihood must outweigh the choice of the row, and that
+    sudden changes are rare.
+    """
+    error, change = _left(y_um, groups), _amounts(y_um, groups)[-1] @ groups[-1].columns
+    n, noise_um = y_um.size, max(residual_noise(error), 1e-300)
+    most = n // (2 * BLOCKS)
+    size_um = float(np.abs(change[at : at + most]).max(initial=1e-300))
+    half = int(min(8.0 * (6.0 * noise_um / size_um) ** 2 + FEWEST_AROUND, most))
+    near = slice(max(at - half, 0), at + half)
+    effect, found = change[near], error[near] + change[near]
+    along = np.linspace(-1.0, 1.0, effect.size)
+    moved = predicted_um[near] - predicted_um[near].mean()
+    smooth = np.stack([np.ones(effect.size), along, moved, moved**2], axis=1)
+    smooth = smooth / (np.linalg.norm(smooth, axis=0) + 1e-300)
+    both = np.linalg.lstsq(smooth, np.stack([effect, found], axis=1), rcond=None)[0]
+    effect, found = effect - smooth @ both[:, 0], found - smooth @ both[:, 1]
+    power = float(effect @ effect) + 1e-300
+    share = float(effect @ found) / power
+    left = found - share * effect
+    level = max(float(left @ left), left.size * noise_um**2)
+    likelihood = left.size * math.log1p(share**2 * power / level)
+    return abs(share - 1.0) <= LEAST_SHARE and likelihood > 2.0 * math.log(n) + UNLIKELY + LEAST_EVIDENCE
+
+
+def _from_each_on(values: Floats) -> Floats:
+    """Sums of the last axis from each place to the end."""
+    return np.asarray(np.cumsum(values[..., ::-1], axis=-1)[..., ::-1])
