@@ -12,15 +12,24 @@ CC_FOUND := $(shell for c in "$(CC)" cc gcc clang; do command -v $$c >/dev/null 
 EXTRA ?= $(if $(CC_FOUND),,[compiler])
 OUT ?= hysgen-demo
 
-.PHONY: run test prove check style help clean
+# Tests start many processes: each would compile the package again.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: run test prove check style quick-tests all-tests help clean
 
 run: $(VENV)/.installed  ## the main job on the bundled record: diagnosis, C, equality of bits, cost, one page
 	$(PY) -m hysgen demo -o $(OUT)
 
-check: style  ## style, types, import layers, and the fast tests: at most 90 s on two cores
+check: $(VENV)/.tested  ## style, types, import layers, and the fast tests: at most 90 s on two cores
+	@$(MAKE) --no-print-directory --jobs=2 style quick-tests
+
+test: $(VENV)/.tested  ## style, types, import layers, and every test but those of `make prove`
+	@$(MAKE) --no-print-directory --jobs=2 style all-tests
+
+quick-tests: $(VENV)/.tested
 	$(PY) -m pytest -n auto --dist worksteal -m "not slow and not proof"
 
-test: style  ## style, types, import layers, and every test but those of `make prove`
+all-tests: $(VENV)/.tested
 	$(PY) -m pytest -n auto --dist worksteal -m "not proof"
 
 prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, and longer forms of tests: about nine minutes

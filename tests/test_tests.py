@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import os
 import subprocess
 import sys
@@ -20,9 +21,14 @@ PATIENCE_S = 60
 """Least time after which a test may give up: a busy machine can be twenty times slower than an idle one."""
 
 
+@functools.lru_cache(maxsize=1)
+def parsed(source: str) -> ast.Module:
+    return ast.parse(source)
+
+
 def imported_tests(source: str) -> Iterator[str]:
     """Every import of a test module in a Python source, as written there."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Import | ast.ImportFrom):
             module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
             parts = [part for name in (module, *(alias.name for alias in node.names)) for part in name.split(".")]
@@ -37,7 +43,7 @@ def calls(tree: ast.AST) -> Iterator[tuple[str, ast.Call]]:
 
 def undeclared_tools(source: str) -> Iterator[str]:
     """Every look at what is installed, and the tool of every command line whose function does not ask for it."""
-    tree = ast.parse(source)
+    tree = parsed(source)
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant | ast.Attribute | ast.Name):
             named = node.value if isinstance(node, ast.Constant) else getattr(node, "attr", getattr(node, "id", ""))
@@ -57,7 +63,7 @@ def undeclared_tools(source: str) -> Iterator[str]:
 
 def ids_of_bytes(source: str) -> Iterator[str]:
     """Every list of cases that holds bytes and has no ids: an id would be made from the bytes."""
-    for name, node in calls(ast.parse(source)):
+    for name, node in calls(parsed(source)):
         if name.endswith("parametrize") and not any(keyword.arg == "ids" for keyword in node.keywords):
             cases = [inner for case in node.args[1:] for inner in ast.walk(case)]
             if any(isinstance(inner, ast.Constant) and isinstance(inner.value, bytes) for inner in cases) or any(
@@ -70,7 +76,7 @@ def ids_of_bytes(source: str) -> Iterator[str]:
 
 def deadlines(source: str) -> Iterator[str]:
     """Every assertion about a time that a clock of the machine measured, and every time-out of a few seconds."""
-    tree = ast.parse(source)
+    tree = parsed(source)
     for _, node in calls(tree):
         for keyword in node.keywords:
             value = keyword.value.value if isinstance(keyword.value, ast.Constant) else None
@@ -92,24 +98,24 @@ def deadlines(source: str) -> Iterator[str]:
                 yield ast.unparse(node)
 
 
-@pytest.mark.parametrize(
-    ("forbidden", "remedy"),
-    [
-        (imported_tests, "what two test files share belongs in tests/fixtures/<what it is>.py"),
-        (undeclared_tools, "a test asks fixtures.tools for a tool: need(...), library(...)"),
-        (ids_of_bytes, "ids=... gives the cases names"),
-        (deadlines, "a busy machine misses a deadline: test what happens, not how soon"),
-    ],
-)
-def test_no_test_file_holds_what_is_forbidden(forbidden: Callable[[str], Iterator[str]], remedy: str) -> None:
-    found = {
-        str(path.relative_to(TESTS)): found
+REMEDIES = {
+    imported_tests: "what two test files share belongs in tests/fixtures/<what it is>.py",
+    undeclared_tools: "a test asks fixtures.tools for a tool: need(...), library(...)",
+    ids_of_bytes: "ids=... gives the cases names",
+    deadlines: "a busy machine misses a deadline: test what happens, not how soon",
+}
+
+
+def test_no_test_file_holds_what_is_forbidden() -> None:
+    wrong = [
+        f"{path.relative_to(TESTS)}: {text}: {remedy}"
         for path in sorted(TESTS.rglob("*.py"))
         if path != TESTS / "fixtures" / "tools.py"
+        for forbidden, remedy in REMEDIES.items()
         if path != Path(__file__) or forbidden is imported_tests
-        if (found := list(forbidden(path.read_text(encoding="utf-8"))))
-    }
-    assert found == {}, remedy
+        for text in forbidden(path.read_text(encoding="utf-8"))
+    ]
+    assert wrong == []
 
 
 def test_no_id_is_made_from_bytes(request: pytest.FixtureRequest) -> None:
