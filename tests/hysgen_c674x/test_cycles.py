@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import firmware, need_compiler
-from fixtures.c674x_learn_shapes import AS_WRITTEN, SHAPES, in_blocks, measured
 from fixtures.c674x_packets import CODE, DATA, Bench
 from hysgen.errors import TargetError
 from hysgen_c674x import toolchain
@@ -236,12 +235,3 @@ def test_stack_is_the_most_below_the_entry_on_any_way() -> None:
     text = f"[a1] b .S1 far\nnop 5\n{call}\nb .S2 b3\nnop 5\n{far}\n{called}"
     bench = Bench(text, interpreted=True)
     assert [bounds(bench.image, bench.packets, name).stack_bytes for name in ("start", "far", "called")] == [32, 16, 24]
-
-
-@pytest.mark.slow
-def test_the_shape_of_an_update_changes_its_cycles_not_its_bits() -> None:
-    need_compiler()
-    of_loops, of_blocks = measured(SHAPES["loops of constant length"]()), measured(in_blocks(AS_WRITTEN))
-    assert of_blocks[2] == of_loops[2]
-    assert of_loops[0] > 5000
-    assert of_blocks[0] <= 2500  # what the period leaves for learning 18 parameters

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +29,14 @@ def test_every_operation_has_known_answers_and_a_latency() -> None:
     assert set(OPERATIONS) <= set(DELAY_SLOTS)
     # Whatever else is modelled: loads and stores have answers too, and the rest steers.
     assert MODELLED - set(OPERATIONS) - set(ACCESSES) == {"b", "bnop", "callp", "addkpc", "nop"}
+
+
+@pytest.mark.golden
+def test_the_page_lists_what_is_modelled() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "target.md").read_text(encoding="utf-8")
+    listed = re.search(r"these operations:\n\n((?:    .*\n)+)", page)
+    assert listed is not None
+    assert sorted(listed[1].split()) == sorted(MODELLED)
 
 
 @pytest.mark.parametrize("mnemonic", OPERATIONS)
