@@ -119,6 +119,7 @@ def _facts_of_generated_c(once_per_run: Callable[[str, Callable[[], Any]], Any])
         return made
 
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("accuracy", "figures", "chains", "learning"):
-            patch.setattr(codegen, name, remembered(name, getattr(codegen, name)))
+        for module, names in ((codegen, ("figures", "chains", "learning")), (codegen.derived, ("accuracy",))):
+            for name in names:
+                patch.setattr(module, name, remembered(name, getattr(module, name)))
         yield

@@ -261,8 +261,8 @@ def test_short_functions_hand_on_their_arguments(monkeypatch: pytest.MonkeyPatch
     assert json.loads(schemas.text_of("score")) == hysgen.schema("score")
     options = coding.Options(inverse=False)
     monkeypatch.setattr(coding, "generate_texts", lambda *given: given)
-    assert hysgen.generate(model, options).texts == (model, options)
-    assert hysgen.generate(model).texts == (model, coding.Options(inverse=True))
+    assert hysgen.generate(model, options).texts == (coding.Derived(model), options)
+    assert hysgen.generate(model).texts == (coding.Derived(model), coding.Options(inverse=True))
     fitted = hysgen.fit(RECORD, method="batch", rules=3)
     assert hysgen.score(fitted, RECORD, 50).to_json() == score(fitted, RECORD, 50).to_json()
     refitted: list[Any] = []

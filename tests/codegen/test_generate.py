@@ -20,8 +20,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import hysgen
 from fixtures.generated_models import diagnosed, everything, learning, smooth
-from hysgen.codegen import Options, generate, write
+from hysgen.codegen import Options, derived, generate, write
 from hysgen.codegen.manifest import MANIFEST, read_folder, stale
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BudgetError, CertificateError, HysgenError
@@ -231,3 +232,14 @@ def test_a_stale_file_is_told_with_its_first_different_line(
     for each in found[1:-1]:
         line = next(i for i in range(1, 7) if (old or [""])[:i] != (new or [""])[:i])
         assert str(each) == f"b.h: differs from line {line} on"
+
+
+def test_certificates_numbers_and_errors_are_computed_once_for_a_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[str] = []
+    for name in ("certify", "coefficients", "accuracy"):
+        original = getattr(derived, name)
+        monkeypatch.setattr(
+            derived, name, lambda *given, name=name, call=original, **more: calls.append(name) or call(*given, **more)
+        )
+    hysgen.generate(learning())
+    assert sorted(calls) == ["accuracy", "certify", "coefficients"]

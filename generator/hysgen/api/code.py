@@ -10,12 +10,11 @@ from typing import Any
 
 from hysgen import schemas
 from hysgen.api.models import Progress
-from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
-from hysgen.codegen import Options, write
+from hysgen.codegen import Derived, Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import MANIFEST, read_folder
 from hysgen.display import Displayed, Summary
@@ -56,19 +55,18 @@ def generate(model: Model, options: Options | None = None) -> Generated:
 
     Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period.
     """
-    model = model_of(model)
-    chosen = options or Options(inverse=certify(model).inverse_holds)
-    return Generated(model, generate_texts(model, chosen))
+    derived = Derived(model_of(model))
+    return Generated(derived.model, generate_texts(derived, options or derived.options))
 
 
-def _as_before(model: Model, folder: Path) -> tuple[Model, Options]:
+def _as_before(model: Model, folder: Path) -> tuple[Model, Options | None]:
     """The new model with the learner and ranges of the model in the folder, and the options of its generation.
 
-    Without a manifest in the folder: the model itself, with the inverse where that is certified. Raises HysgenError if
+    Without a manifest in the folder: the model itself and None. Raises HysgenError if
     the folder holds the C of a model of another name.
     """
     if not (folder / MANIFEST).exists():
-        return model, Options(inverse=certify(model).inverse_holds)
+        return model, None
     before = read_folder(folder)
     if before.model.name != model.name:
         raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
@@ -88,7 +86,7 @@ def generate_again(model: Model, folder: str | Path) -> Generated:
     """
     model, options = _as_before(model_of(model), Path(folder))
     code = generate(model, options)
-    if not options.aligned:
+    if options is None or not options.aligned:
         return code
     target, assembler = with_kernels_in(model.name, read_folder(Path(folder)).texts)
     return with_kernels(code, target, assembler)

@@ -68,7 +68,7 @@ class LearnerFacts:
     fixed: str
 
 
-def learner_feature(model: Model, numbers: Coefficients, _certificates: object) -> Feature | None:
+def learner_feature(model: Model, numbers: Coefficients) -> Feature | None:
     """The generated learner of a model with learner settings; None for a model without."""
     if model.learner is None:
         return None

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from hysgen.certify.certificates import certify
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost, cost_of_texts
-from hysgen.codegen import Options, generate
+from hysgen.codegen import Derived, generate
 from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text, share_text
 from hysgen.errors import HysgenError
 from hysgen.report.page import (
@@ -214,7 +213,8 @@ def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
     """Comparison and cost of the extended model's C, and the reason if one of them is missing."""
     model = study.diagnosis.model
     try:
-        texts = generate(model, Options(inverse=certify(model).inverse_holds))
+        derived = Derived(model)
+        texts = generate(derived, derived.options)
         price = cost_of_texts(model, texts, timed=False)
     except HysgenError as fault:
         return None, None, str(fault)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hysgen.certify.certificates import certify
-from hysgen.codegen import Options, cost_figures
+from hysgen.codegen import Derived, cost_figures
 from hysgen.codegen.operations.cycles import cycles_of, per_sample
 from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
@@ -103,7 +103,7 @@ def price_of(model: Model) -> Price | None:
     generated: a sample exceeds its period, or no commit could be accepted.
     """
     try:
-        counted = cost_figures(model, Options(inverse=certify(model).inverse_holds))
+        counted = cost_figures(derived := Derived(model), derived.options)
     except (BudgetError, CertificateError):
         return None
     cycles = per_sample(cycles_of(counted.operations))

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from hysgen.certify.certificates import certify
 from hysgen.checking.bits.comparison import compare, samples_to_compare
 from hysgen.checking.bits.random_models import (
     complete_model,
@@ -23,7 +22,7 @@ from hysgen.checking.bits.random_models import (
 )
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
 from hysgen.checking.host import LEVELS, compiled, host_compilers, toolchains, versions
-from hysgen.codegen import Options, generate
+from hysgen.codegen import Derived, generate
 from hysgen.codegen.manifest import read_folder
 from hysgen.model.model import Model
 
@@ -111,4 +110,5 @@ def verify_texts(
 
 def _texts(other: Model) -> dict[str, str]:
     """The generated C of a model, with its inverse if the inverse is certified."""
-    return generate(other, Options(inverse=certify(other).inverse_holds))
+    derived = Derived(other)
+    return generate(derived, derived.options)
