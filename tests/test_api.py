@@ -196,6 +196,7 @@ def test_data_frames_come_in_and_go_out(record: hysgen.Record) -> None:
     assert hysgen.fit(record.to_dataframe(), method="batch", rules=4).grid.rules == 4
 
 
+@pytest.mark.slow
 def test_every_function_of_a_record_takes_a_frame_or_a_file_and_of_a_model_a_file(
     record: hysgen.Record, model: hysgen.Model, tmp_path: Path
 ) -> None:
@@ -301,6 +302,7 @@ def test_every_verb_has_a_name_in_python() -> None:
             assert callable(getattr(importlib.import_module(room or "hysgen"), function))
 
 
+@pytest.mark.slow
 def test_a_model_goes_into_other_tools_and_to_the_firmware(
     model: hysgen.Model, record: hysgen.Record, tmp_path: Path
 ) -> None:

@@ -95,6 +95,7 @@ def test_simulation_and_prediction_in_float64_import_the_model_alone() -> None:
     assert names == modules_after("import hysgen; hysgen.load_model('appendix_a')"), "the first call imports more"
 
 
+@pytest.mark.slow
 def test_a_name_of_the_interface_imports_what_it_needs() -> None:
     everything = modules_after("import hysgen.api.code, hysgen.api.diagnosing")
     assert len(modules_after("import hysgen; hysgen.load_record")) < len(everything) / 4
@@ -117,6 +118,7 @@ def test_the_demo_needs_the_product_alone(tmp_path: Path) -> None:
         ["cost", "c", "--target", "c674x"],
     ],
 )
+@pytest.mark.slow
 def test_a_target_that_is_not_installed_is_one_line_that_says_what_to_install(words: list[str], tmp_path: Path) -> None:
     code = f"{WITHOUT}from hysgen.cli import main\nsys.exit(main({words}))"
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -133,6 +135,7 @@ TARGET = Target("cortexm4", about="nothing yet", weights=Weights("Cortex-M4", 30
 '''
 
 
+@pytest.mark.slow
 def test_a_new_target_is_one_file(tmp_path: Path) -> None:
     for name in ("generator", "templates"):
         shutil.copytree(GENERATOR.parent / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))

@@ -212,6 +212,7 @@ def run(folder: Path, image: HostImage, frames: Path, foreign_c: str = "", *flag
     )
 
 
+@pytest.mark.slow
 def test_among_foreign_functions_of_its_names_the_firmware_computes_the_same(tmp_path: Path, frames: Path) -> None:
     (tmp_path / "alone").mkdir()
     image = firmware_bench.image()

@@ -46,6 +46,7 @@ def output(model: Model, y: Any, u: Any) -> Any:
 
 @given(seeds, sizes, wildness)
 @settings(max_examples=60)
+@pytest.mark.slow
 def test_no_point_of_the_range_exceeds_the_certified_slope_and_gain(seed: int, rules: int, wild: float) -> None:
     model = random_model(seed, rules, wild)
     y = dense(model)
@@ -63,6 +64,7 @@ def test_no_point_of_the_range_exceeds_the_certified_slope_and_gain(seed: int, r
 
 @given(seeds, sizes, wildness)
 @settings(max_examples=60)
+@pytest.mark.slow
 def test_enclosures_are_as_narrow_as_asked_and_met_where_they_say(seed: int, rules: int, wild: float) -> None:
     model = random_model(seed, rules, wild)
     steepest = slope_extremum(model)

@@ -224,6 +224,7 @@ def test_a_planted_shadow_is_refused_with_the_reason_and_what_is_active_stays(re
     assert planted.active[0] != before[0]
 
 
+@pytest.mark.slow
 def test_a_shadow_that_has_just_restarted_is_too_young() -> None:
     planted = Planted(compiled_once())
     planted.learner.age = LearnerSettings().mature - 1

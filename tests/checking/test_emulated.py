@@ -76,6 +76,7 @@ class Stuck(HostSide):
         return answer
 
 
+@pytest.mark.slow
 def test_a_machine_on_which_no_bank_changes_is_seen() -> None:
     host = Host("learning", texts("learning"))
     sides = [HostSide("here", host), HostSide("there", host), Stuck("stuck", host)]
@@ -113,6 +114,7 @@ def test_commits_of_many_shadows_are_compared_with_the_reference() -> None:
     assert [mismatch.build.split()[0] for mismatch in found] == ["stuck"]
 
 
+@pytest.mark.slow
 def test_one_bit_of_one_constant_is_seen_on_the_machine_that_has_it() -> None:
     need("s390x-linux-gnu-gcc", "qemu-s390x-static")
     # A big-endian platform whose C has another last bit in one coefficient of the exponential.
@@ -165,6 +167,7 @@ def test_a_missing_compiler_is_told_with_its_packages() -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_verb_runs_one_machine_and_refuses_one_without_its_target(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

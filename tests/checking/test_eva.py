@@ -119,6 +119,7 @@ def test_learn_without_a_guard_is_not_proved(about: str) -> None:
     assert proved(learner, opened, guard.function, guard.inputs)[0].alarms
 
 
+@pytest.mark.slow
 def test_a_part_of_an_update_that_writes_more_than_its_contract_says_is_told() -> None:
     need("frama-c")
     learner, generated = gains()
@@ -185,6 +186,7 @@ def test_without_the_limits_of_w_the_path_is_not_proved() -> None:
     assert any("y_um" in alarm for alarm in verdict.alarms), verdict.alarms
 
 
+@pytest.mark.slow
 def test_every_guard_stands_in_one_of_three_models() -> None:
     names = ("appendix_a", "diagnosed", "everything")
     found = {guard for name in names for guard in guards(model(name), texts(name))}
@@ -234,6 +236,7 @@ def test_a_guard_whose_line_is_gone_is_an_error() -> None:
         without(guard, model("appendix_a"), opened)
 
 
+@pytest.mark.slow
 def test_what_is_not_c_and_what_never_ends_is_refused() -> None:
     need("frama-c")
     for text in ("int main(void) { return }", "int main(void) { for (;;) { } return 0; }"):

@@ -225,6 +225,7 @@ def test_missing_compiler_is_told_loudly() -> None:
 
 
 @pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.slow
 def test_a_perturbed_model_of_a_learner_can_commit(name: str) -> None:
     """Five per cent more may take a slope of 0.97 to 1.02, from which no commit starts."""
     for seed in range(20):

@@ -46,6 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_check_says_which_generated_files_are_stale(folder: Path, tmp_path: Path) -> None:
     assert main(["generate", f"{folder}/axis.json", "-o", f"{folder}/c", "--check"]) == 0
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}"]) == 0

@@ -229,6 +229,7 @@ def test_a_home_that_cannot_be_written_gives_the_pictures_another_folder(
 
 
 @pytest.mark.parametrize("closed", [1, 2])
+@pytest.mark.slow
 def test_a_job_without_standard_streams_is_done(closed: int, folder: Path) -> None:
     command = f"{sys.executable} -m hysgen describe appendix_a --json d.json {closed}>&-"
     own = {**os.environ, "PYTHONPATH": str(Path(native.__file__).parents[2])}

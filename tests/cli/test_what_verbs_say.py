@@ -47,6 +47,7 @@ class Said:
             assert any(re.fullmatch(pattern, line) for line in rest), f"{pattern}\n{self.out}"
 
 
+@pytest.mark.slow
 def test_refit_says_scores_changes_verdict_files_and_time(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = Said("refit @m.json @b.csv -o @n.json", folder, capsys)
     rms = said.json["scores"]["free_run"]["e_rms_um"]
@@ -117,6 +118,7 @@ def test_verify_says_what_was_compared_and_an_altered_file_is_code_1(
     altered.lines(r"ALTERED: c/m\.h: .*", "m: NOT EQUAL over .*")
 
 
+@pytest.mark.slow
 def test_score_sets_models_beside_each_other_and_describe_says_every_part(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

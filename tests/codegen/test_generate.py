@@ -57,6 +57,7 @@ def test_generated_files_are_the_golden_ones(model: Model, request: pytest.Fixtu
         assert kept[name] == text, f"{name}:\n" + "\n".join(list(change)[:60])
 
 
+@pytest.mark.slow
 def test_same_model_gives_the_same_bytes_in_another_process_and_folder(tmp_path: Path) -> None:
     code = (
         "from hysgen.codegen import generate; from hysgen.machine.files import digest;"
@@ -146,6 +147,7 @@ def test_code_over_budget_is_refused_with_the_numbers() -> None:
     assert '"budget": 150' in generate(fast, measured)["MANIFEST.json"]
 
 
+@pytest.mark.slow
 def test_more_rules_than_fit_the_sample_period_are_refused_with_the_numbers() -> None:
     """Three parameters per rule, one update per sample: 8 rules fit 7500 cycles, 9 do not."""
     many = dataclasses.replace(smooth(9), learner=LearnerSettings())

@@ -48,6 +48,7 @@ def test_the_folder_builds_by_cmake_and_its_example_runs(tmp_path: Path) -> None
     assert run(tmp_path, "ctest", "--test-dir", "build").returncode == 0
 
 
+@pytest.mark.slow
 def test_the_project_fails_its_test_if_the_algorithm_has_a_wrong_bit(tmp_path: Path) -> None:
     texts = generated("learning")
     wrong = texts["learning.c"].replace("12582912.0f;", "12582914.0f;", 1)
@@ -101,6 +102,7 @@ def test_another_layout_does_not_compile(file: str, flag: str, complaint: str, t
 
 
 @pytest.mark.parametrize("name", ["everything", "extended"])
+@pytest.mark.slow
 def test_section_macros_place_every_function_and_every_table(name: str, tmp_path: Path) -> None:
     """Without optimisation, so that no function is hidden by inlining."""
     need("gcc")
@@ -118,6 +120,7 @@ def test_section_macros_place_every_function_and_every_table(name: str, tmp_path
             assert (sizes[".text"] == 0) == bool(extra), "a function without the macro"
 
 
+@pytest.mark.slow
 def test_digests_are_those_of_the_algorithm_and_of_the_numbers(tmp_path: Path) -> None:
     texts = generated("learning")
     write(texts, tmp_path)

@@ -157,6 +157,7 @@ def test_short_record_is_refused_in_one_line() -> None:
         diagnose(Record.from_arrays(u_V, 0.1 * u_V, 1e-3))
 
 
+@pytest.mark.slow
 def test_diagnosis_imports_nothing_of_the_virtual_stage() -> None:
     code = "import sys, hysgen.diagnosis; sys.exit(any(name.startswith('hysgen_lab') for name in sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -46,6 +46,7 @@ def test_no_cause_is_named(stage: Stage, bend: float, seed: int) -> None:
     assert names(stage, bend, seed) == ()
 
 
+@pytest.mark.slow
 def test_weights_that_fit_coloured_noise_are_no_evidence() -> None:
     """A channel that has nothing to do with the stage, as slow as the noise, over 32 samples."""
     rng = np.random.default_rng(3)

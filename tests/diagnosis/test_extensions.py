@@ -50,6 +50,7 @@ def test_a_delivered_path_keeps_every_certificate(category: str) -> None:
     assert found.w_unit == "um"
 
 
+@pytest.mark.slow
 def test_each_extension_of_the_path_lowers_the_held_out_error_beside_the_others() -> None:
     for category, cause in (("creep", "creep"), ("resonance", "resonance"), ("delay", "delay")):
         prepared, extensions = known(category, 1)

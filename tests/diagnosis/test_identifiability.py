@@ -22,6 +22,7 @@ def told(seen: Scene, chain: object = LAG) -> dict[str, Ability]:
 
 
 @pytest.mark.parametrize(("times", "holds"), [(2.0, True), (0.3, False)])
+@pytest.mark.slow
 def test_a_drift_shows_from_the_least_size_on(times: float, holds: bool) -> None:
     least = told(scene(LAG))["drift"].least
     assert least is not None

@@ -86,6 +86,7 @@ def test_search_names_nothing_when_the_residual_is_noise() -> None:
     assert max(found.confidence[name] for name in PLANTED) < 0.5
 
 
+@pytest.mark.slow
 def test_search_adds_a_cause_whose_effect_is_below_the_noise() -> None:
     found = search.search(scene(LAG, 2e-3 * T_S / SPAN_S))
     assert named(found) == ["drift"]
@@ -103,6 +104,7 @@ def test_sudden_changes_are_located_and_no_slow_cause_is_named_for_them() -> Non
         np.testing.assert_allclose(sorted(times_s), at_s, atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_gain_that_changes_before_a_slow_lag_changes_at_once() -> None:
     slow = Chain(0.02, memory=False)
     u_V = np.where(T_S >= 2.2, 1.05, 1.0) * COMMAND_V

@@ -36,6 +36,7 @@ def drifting(course_um: Floats, seed: int = 5) -> Scene:
     return Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), operator)
 
 
+@pytest.mark.slow
 def test_drift_that_slows_down_is_found_with_its_parameters() -> None:
     t_s = TS_S * np.arange(SAMPLES)
     scene = drifting(0.1 * np.log10(1.0 + t_s / 0.2))
@@ -68,6 +69,7 @@ def test_drift_and_aging_are_fitted_jointly() -> None:
     assert found_um == pytest.approx(0.3 - 0.03 * middle_um, abs=0.01)
 
 
+@pytest.mark.slow
 def test_drift_at_one_rate_stays_a_ramp() -> None:
     scene = drifting(0.1 * np.arange(SAMPLES) / SAMPLES)
     assert search(scene).fit.chain.parts == (DriftPart(),)

@@ -46,6 +46,7 @@ def test_the_search_names_a_drift_below_the_misfit() -> None:
     assert named(search.search(scene(LAG, CURVED_UM))) == []
 
 
+@pytest.mark.slow
 def test_one_description_alone_names_no_slow_cause(monkeypatch: pytest.MonkeyPatch) -> None:
     """The score finds the drift of a stage without misfit; if the whitened residuals contradict it, it is not named."""
     seen = scene(LAG, 0.05 * T_S / SPAN_S)

@@ -43,6 +43,7 @@ def test_innovations_have_the_likelihood_of_the_dense_covariance(seed: int, misf
     assert np.log(variance[rows]).sum() == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_creep_is_identified_from_plateaus_beside_a_coarse_hysteresis() -> None:
     """150 relays jump where no smooth density does; what that leaves takes the place of creep, unless it rests too."""
     plain, result = [], []

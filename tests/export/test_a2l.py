@@ -90,6 +90,7 @@ def table_of(here: Path, name: str) -> tuple[int, ...]:
     return tuple(struct.unpack("<I", struct.pack("<f", float(number)))[0] for number in numbers)
 
 
+@pytest.mark.slow
 def test_an_elf_that_does_not_fit_is_refused(folder: Path, tmp_path: Path) -> None:
     elf = exported(folder, "a2l") / f"{NAME}.elf"
     with pytest.raises(BuildError, match="no such variable; name it with --instance"):

@@ -21,6 +21,7 @@ from hysgen.export.fmu import archive, run_fmu
 
 
 @pytest.mark.parametrize("standard", [2, 3])
+@pytest.mark.slow
 def test_an_fmu_is_valid_and_holds_nothing_of_python(standard: int, folder: Path) -> None:
     here = exported(folder, "fmu")
     library("fmpy")

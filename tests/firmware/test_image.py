@@ -76,6 +76,7 @@ def test_bytes_of_a_broken_transfer_do_not_leak_into_the_next_one() -> None:
     assert firmware.bank() == good
 
 
+@pytest.mark.slow
 def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters() -> None:
     firmware = booted()
     first, second = encode(changed(STIFFER)), encode(changed(SOFTER), Label(counter=2))

@@ -250,6 +250,7 @@ class Simulated:
         return LinkStatus.unpack(body[3:])
 
 
+@pytest.mark.slow
 def test_the_simulated_c674x_answers_like_the_host() -> None:
     simulated = Simulated()
     status = simulated.status()

@@ -86,6 +86,7 @@ def test_with_delay_hysteresis_and_creep_the_limits_leave_nothing_behind() -> No
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "extended"])
+@pytest.mark.slow
 def test_a_reference_step_that_the_settings_allow_is_no_fault(name: str) -> None:
     firmware = started(name, Settings(step_V=0.25, reference_step_um=0.5))
     steps = np.repeat([2.0, 2.6, 1.4, 2.0], 3000)

@@ -143,6 +143,7 @@ def test_disagreement_is_the_variance_of_the_rules_over_the_range() -> None:
     assert disagreement(structure).square(q) == pytest.approx(expected, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_refinement_keeps_rules_in_agreement_where_the_record_does_not_determine_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

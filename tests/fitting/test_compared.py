@@ -81,6 +81,7 @@ def test_loops_of_a_lag_faster_than_the_sampling_stay_below_its_rate() -> None:
     assert loop_frequencies(lag("m", 0.05, -0.1))[0] == pytest.approx(0.01 / (2 * np.pi * 10 * TS_S))
 
 
+@pytest.mark.slow
 def test_a_comparison_has_the_numbers_of_both_models_in_text_and_json() -> None:
     old, new = lag("old"), lag("new", 0.0018, weights=(1e-4, 2e-4, 1.5))
     new = dataclasses.replace(new, grid=Grid(-5.0, 16.0, 6))

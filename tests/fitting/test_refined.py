@@ -39,6 +39,7 @@ def free_run_errors(model: Model, record: Record, settle: int = 0) -> Any:
 
 @given(st.integers(0, 10_000), st.integers(2, 25), st.booleans())
 @settings(max_examples=20)
+@pytest.mark.slow
 def test_gradient_and_hessian_are_those_of_finite_differences(seed: int, rules: int, memory: bool) -> None:
     model = random_model(seed, rules, wild=0.02, terms=TERMS if memory else ())
     span = model.grid.y_max_um - model.grid.y_min_um

@@ -54,6 +54,7 @@ def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(rec
     assert before["axis.c"] == after["axis.c"]
 
 
+@pytest.mark.slow
 def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records: tuple[Record, Record]) -> None:
     old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
     part = old.within(None, (0.5 * old.u_max_V, 0.75 * old.u_max_V))
@@ -62,6 +63,7 @@ def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records:
     np.testing.assert_array_equal(new.parameters, refit(old, records[1])[0].parameters)
 
 
+@pytest.mark.slow
 def test_refit_generates_again_over_the_ranges_that_the_folder_had(
     records: tuple[Record, Record], tmp_path: Path
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 from numpy.polynomial import chebyshev
 
 from fixtures.generated_models import relaxing
@@ -33,6 +34,7 @@ def measured(relaxation: float, seed: int, plays_um: tuple[float, ...] = relaxin
     return Record.from_arrays(u, y + 1e-4 * rng.standard_normal(len(y)), Ts_s=TS_S)
 
 
+@pytest.mark.slow
 def test_the_fit_finds_the_relaxation_and_refit_keeps_its_search() -> None:
     known, fresh = measured(0.03, 1), measured(0.03, 2)
     sizes = [PathSize(plays=8, states=0, relaxation=relaxation) for relaxation in (SEARCHED, 0.0)]

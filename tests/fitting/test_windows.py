@@ -25,6 +25,7 @@ def test_a_short_record_is_one_window() -> None:
     assert least_squares.windows(5000, least_squares.MOST_SAMPLES) == [slice(0, 5000)]
 
 
+@pytest.mark.slow
 def test_a_path_fitted_to_windows_is_as_good_as_one_fitted_to_all_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     u_V = good(np.random.default_rng(2), 60_000, 0.0, 100.0)
     stage = Stage.nominal().with_effects(creep=(0.02, 0.05, 1e4))

@@ -68,6 +68,7 @@ def bits(x: float) -> int:
 
 
 @pytest.mark.parametrize("apart", [11, pytest.param(1, marks=[pytest.mark.slow, pytest.mark.proof])])
+@pytest.mark.slow
 def test_power_of_two_holds_its_claim_for_every_float32_of_its_interval(apart: int) -> None:
     """Every float32 with `make prove`; else every 11th."""
     above = library().lib.power_sweep(bits(2.0**-20), bits(arithmetic.POWER_LIMIT) + 1, apart)

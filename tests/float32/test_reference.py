@@ -49,10 +49,12 @@ def test_every_layout_is_close_to_float64(rules: int) -> None:
     assert accuracy(smooth(rules), 40_000).predict_um < 10 * 4.8e-7
 
 
+@pytest.mark.slow
 def test_terms_and_blocks_keep_the_accuracy() -> None:
     assert accuracy(everything(), 20_000).predict_um < 5e-6
 
 
+@pytest.mark.slow
 def test_the_path_is_part_of_the_stated_errors() -> None:
     """Four roundings of 3 um, 2.4e-7 each, are between w in float32 and in float64; the gain of the rules is 0.05."""
     found, rules = accuracy(path(), 20_000), accuracy(path().behind_path, 20_000)
@@ -95,6 +97,7 @@ def test_rule_sums_are_those_of_the_memberships(seed: int) -> None:
         np.testing.assert_allclose((np.array(v) / sums.weight).T, p, atol=2e-6)
 
 
+@pytest.mark.slow
 def test_free_run_follows_float64_as_closely_as_contraction_promises() -> None:
     """e(k+1) <= s e(k) + e_predict, so e < e_predict / (1 - s): Appendix A 1.4e-6 um / (1 - 0.99634) = 3.8e-4 um."""
     model = load_model("appendix_a")

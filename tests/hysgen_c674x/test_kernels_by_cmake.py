@@ -6,6 +6,8 @@ import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
+import pytest
+
 from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import scheduled_model, scheduled_texts
 from fixtures.tools import need
@@ -26,6 +28,7 @@ def defined_in(folder: Path, texts: Mapping[str, str], *options: str) -> str:
     return line.split(":")[1]
 
 
+@pytest.mark.slow
 def test_the_kernels_are_part_of_the_library_on_the_c674x_only(tmp_path: Path) -> None:
     need_compiler()
     texts = scheduled_texts("appendix_a")

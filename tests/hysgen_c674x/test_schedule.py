@@ -288,6 +288,7 @@ def test_the_inspection_finds_no_fault_in_a_learner_with_its_values_on_the_stack
         assert bounds(program.image, program.packets, f"small_learning_{function}").constant
 
 
+@pytest.mark.slow
 def test_the_self_test_leaves_out_the_padding_of_an_aligned_learner() -> None:
     """With one parameter the learner has an odd number of words, and padding where it is aligned to 8 bytes."""
     need_compiler()

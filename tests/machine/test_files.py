@@ -18,6 +18,7 @@ from hysgen.machine import files
 OLD = "the old file, whole\n"
 
 
+@pytest.mark.slow
 def test_a_write_that_is_killed_at_any_moment_leaves_the_old_file_or_the_new_one_whole(tmp_path: Path) -> None:
     target = tmp_path / "model.json"
     new = "x" * 3_000_000

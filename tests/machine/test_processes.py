@@ -78,6 +78,7 @@ def nested(count: int) -> list[int]:
 
 
 @pytest.mark.parametrize("fixture", ["two", "two_beside_a_thread"])
+@pytest.mark.slow
 def test_items_are_shared_and_results_are_in_the_order_of_the_items(
     fixture: str, request: pytest.FixtureRequest
 ) -> None:
@@ -94,6 +95,7 @@ def test_items_are_shared_and_results_are_in_the_order_of_the_items(
 
 
 @pytest.mark.parametrize("function", [root, ended_in_helper, lambda value: value])
+@pytest.mark.slow
 def test_what_a_helper_cannot_compute_is_computed_here(
     monkeypatch: pytest.MonkeyPatch, two: None, function: Callable[[int], float]
 ) -> None:

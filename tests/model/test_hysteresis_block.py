@@ -32,6 +32,8 @@ ERROR_UM = 5e-6
 """Worst distance of float32 from float64 for a stroke of 10 um, whose last bit is 9.5e-7 um: twenty terms are rounded,
 and x, 1.2e-7 of the half range off, is multiplied by a slope of up to 11 um."""
 
+QUICK = ("usual", "relaxing plays alone")
+
 
 class Plainly:
     """The equations of the block one by one, in Python numbers."""
@@ -78,8 +80,11 @@ def test_float64_agrees_with_the_equations_in_plain_python(block: Hysteresis) ->
     assert block.apply(v, TS_S) == pytest.approx(np.array([slow.apply(float(value)) for value in v]), abs=2e-7)
 
 
-@by_block
 @pytest.mark.parametrize("toolchain", TOOLCHAINS, ids=str)
+@pytest.mark.parametrize(
+    "block",
+    [pytest.param(BLOCKS[name], id=name, marks=() if name in QUICK else pytest.mark.slow) for name in BLOCKS],
+)
 def test_c_equals_the_mirror_bit_for_bit(block: Hysteresis, toolchain: Toolchain) -> None:
     need(toolchain.command)
     v, wanted, rest, ahead, back = mirrored(block)

@@ -53,6 +53,7 @@ def jumps(block: Hysteresis, count: int) -> Floats32:
         *((block, 200_000) for block in (operator(), falling(), kinked())),
     ],
 )
+@pytest.mark.slow
 def test_the_inverse_meets_random_jumps(block: Hysteresis, count: int) -> None:
     """Issue 16: 1e-5 um of a stroke of 10 um."""
     v = jumps(block, count)

@@ -35,6 +35,7 @@ def chunk_of_input(number: int) -> np.ndarray[tuple[int], np.dtype[np.float32]]:
     return (level + 20 * np.sin(2 * np.pi * 3 * t) + rng.normal(0, 0.05, CHUNK)).astype(np.float32)
 
 
+@pytest.mark.slow
 def test_creep_of_10_s_at_50_khz_is_right_over_1e7_samples() -> None:
     block = Creep(0.01, (10.0, 1000.0))
     model = flat(block)
@@ -71,6 +72,7 @@ def test_a_light_slow_mode_is_right_over_1e6_samples() -> None:
     assert error < 100 * 2.0**-24 * np.abs(truth).max()
 
 
+@pytest.mark.slow
 def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> None:
     block = Modes((5.0, 50.0, 500.0, 5000.0, 20_000.0), (0.01, 0.02, 0.01, 0.3, 0.01), (0.1,) * 5, 4e-4)
     model = flat(block)
@@ -90,6 +92,7 @@ def test_modes_are_right_from_slow_to_nearly_half_the_sampling_frequency() -> No
 
 
 @pytest.mark.parametrize("samples", [10**7, pytest.param(10**8, marks=[pytest.mark.slow, pytest.mark.proof])])
+@pytest.mark.slow
 def test_amplitude_and_phase_do_not_drift_over_long_runs(samples: int) -> None:
     f_Hz, look = 49.9873, 500_000
     model = dataclasses.replace(flat(), terms=(Periodic((f_Hz,)),), weights=np.array([1.0, 0.0]))

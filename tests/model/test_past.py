@@ -39,6 +39,7 @@ def forgotten(record: Record) -> Record:
     return Record.from_segments([dataclasses.replace(s, past=None) for s in record.segments], record.Ts_s)
 
 
+@pytest.mark.slow
 def test_a_part_of_a_record_is_scored_as_inside_the_whole_record(record: Record, model: Model) -> None:
     rest = record.rows(CUT, record.samples)
     whole = score(model, record, settle=CUT + 1).free_run.e_rms_um
@@ -60,6 +61,7 @@ def test_the_past_is_simulated_and_not_scored(record: Record, model: Model) -> N
         np.testing.assert_allclose(rival.free_run(rest)[0], rival.free_run(record)[0][CUT:], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_rows_that_depend_on_an_unknown_past_are_found_left_out_and_said(record: Record, model: Model) -> None:
     rest = forgotten(record.rows(CUT, record.samples))
     (rows,) = unknown_past(model, rest, 1e-3).rows
@@ -85,6 +87,7 @@ def test_a_record_that_never_covers_the_range_of_the_model_is_said_to_depend_on_
     assert "the scored samples too depend on the input before the record" in str(score(model, small))
 
 
+@pytest.mark.slow
 def test_a_fit_to_later_rows_runs_through_the_rows_before_them(record: Record) -> None:
     later = record.rows(CUT, record.samples)
     settings = FitSettings(memory=PathSize(), method="batch")

@@ -76,6 +76,7 @@ def inverse_and_stage(delay: float) -> tuple[ChainMirror, ChainMirror, F32]:
 
 
 @pytest.mark.parametrize("delay", [0.4, pytest.param(2.4, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_a_fractional_delay_leaves_nothing_after_a_ramp(delay: float) -> None:
     """Plays that follow a voltage which never reached the stage would keep the difference for good."""
     inverse, stage, w = inverse_and_stage(delay)
@@ -87,6 +88,7 @@ def test_a_fractional_delay_leaves_nothing_after_a_ramp(delay: float) -> None:
 
 
 @pytest.mark.parametrize("delay", [1.0, 7.0])
+@pytest.mark.slow
 def test_a_periodic_disturbance_is_compensated_at_the_sample_for_which_the_voltage_is_computed(delay: float) -> None:
     """The phase of the sample of the command would leave up to 1 nm at a preview of 1 sample, 7 nm at one of 7."""
     weights = np.array([0.010, -0.004, 0.006, 0.003])

@@ -47,6 +47,7 @@ def test_a_mode_rings_at_its_frequency_and_damping(f_Hz: float, zeta: float) -> 
     assert -pole.real / abs(pole) == pytest.approx(zeta, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_modes_behind_which_the_rules_lag_are_the_exact_answer_to_a_held_input() -> None:
     f_Hz, zeta, share, lag_s = 640.0, 0.03, 0.3, 4e-4
     w0, a = 2 * np.pi * f_Hz, np.exp(-TS_S / lag_s)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from numpy.polynomial import chebyshev, polynomial
 
 from hysgen.model.disturbances import Drive
@@ -15,6 +16,7 @@ TS_S = 2e-5
 CLAIM = 1.9e-7
 
 
+@pytest.mark.slow
 def test_sine_is_within_its_claim_over_every_significand() -> None:
     worst = 0.0
     # A quarter of a turn: the others repeat it bit for bit. All 2^23 values of the bits that enter there, at both ends

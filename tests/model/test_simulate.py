@@ -173,6 +173,7 @@ def test_horizon_curve_is_the_error_of_short_free_runs() -> None:
         assert abs(curve.largest_um[place] - np.abs(errors).max()) < CLOSE * 100
 
 
+@pytest.mark.slow
 def test_long_records_are_sampled_for_the_horizon_within_its_budget() -> None:
     model = random_model(7, wild=0.05)
     u = random_drive(40_000, 0)

@@ -593,6 +593,7 @@ def test_shares_are_stacked_over_the_time_of_the_record() -> None:
     assert "not explained 16 %, paper's model 84 %" in shares_picture(halved).alt
 
 
+@pytest.mark.slow
 def test_all_pictures_of_a_study_stand_in_reading_order_and_in_one_style() -> None:
     drawn = pictures(BOTH)
     names = [picture.name for picture in drawn]
@@ -650,6 +651,7 @@ def test_legend_stands_above_its_axes_and_inside_the_picture() -> None:
     assert box.x1 < fig.bbox.x1
 
 
+@pytest.mark.slow
 def test_results_are_drawn_with_their_own_numbers(tmp_path: Any) -> None:
     record = Record.from_arrays(U_V, Y_UM, TS_S, source="a.csv")
     above, below, side = draw(record).figure.axes

@@ -306,6 +306,7 @@ def test_a_trend_is_its_largest_change_and_a_history_its_largest_shift_at_rest()
     }
 
 
+@pytest.mark.slow
 def test_trends_are_the_properties_of_each_model_in_their_order() -> None:
     found = trends([("a", lag(0.0016)), ("b", lag(0.0017, (5e-4, 5e-4))), ("c", lag(0.0015))], 3.0)
     values = {trend.what: trend.values for trend in found.trends}

@@ -218,6 +218,7 @@ def test_gain_step_multiplies_the_command_from_its_instant_on() -> None:
     np.testing.assert_allclose(ratio[200:], 1.05, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_chirp_passes_through_its_frequencies_with_its_amplitude() -> None:
     y_um = run(BARE.with_effects(chirp=(100.0, 400.0, 1.0, 0.02)), np.full(50_000, 60.0), TS_S).displacement_um - 5.0
     assert np.ptp(y_um) == pytest.approx(0.04, rel=1e-3)
@@ -233,6 +234,7 @@ def test_jumps_stay_where_they_went() -> None:
     assert ((steps == 0.0) | ((steps > 0.05 - 1e-12) & (steps < 0.15 + 1e-12))).all()
 
 
+@pytest.mark.slow
 def test_creep_by_a_power_law_gains_by_its_power_from_decade_to_decade() -> None:
     Ts_s, creep = 0.1, CreepEffect(0.03, 1e-4, 1e6, 0.25)
     y_um = run(BARE.with_effects(creep=creep), np.full(10_001, 60.0), Ts_s, rest_V=0.0).displacement_um

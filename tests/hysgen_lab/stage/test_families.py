@@ -171,6 +171,7 @@ def test_a_magnetisation_that_would_jump_is_refused() -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_records_and_another_seed_does_not(family: str) -> None:
     first, again = (records(plant(family, "delay", 3), (900, 600)) for _ in range(2))
     other = records(plant(family, "delay", 4), (900, 600))

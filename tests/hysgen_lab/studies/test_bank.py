@@ -64,6 +64,7 @@ def test_category_plants_the_effect_that_it_is_named_after() -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.slow
 def test_stage_of_another_family_has_its_hysteresis_and_the_planted_effect(family: str) -> None:
     for category in ("aging", "coupling", "resonance", "unknown"):
         first, second = family_scenario(family, category, 11), family_scenario(family, category, 11)

@@ -176,6 +176,7 @@ def test_commands_of_the_bank_fill_their_range_and_seeds_never_move() -> None:
     assert 2e-5 <= noise.white_um / hidden.stage.stroke_um <= 5e-4
 
 
+@pytest.mark.slow
 def test_the_price_of_a_model_is_that_of_its_generated_c() -> None:
     model = hysgen.load_model("appendix_a")
     for one in (model, hysgen.firmware_files(model).model):
