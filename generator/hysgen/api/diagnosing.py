@@ -6,13 +6,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from hysgen.api.models import Progress, score, scored, warn, with_changes
+from hysgen.api.models import Progress, score, scored, sound_record, warn, with_changes
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores
 from hysgen.record import Record, check_for_fit, check_validation
-from hysgen.record.read import record_of
 from hysgen.report.words import price_of
 
 if TYPE_CHECKING:
@@ -31,7 +30,8 @@ def diagnose(
     Structure and parameters come from `record` (from its first 65 % if `holdout` is None); scores are held out.
     changes: fields of DiagnoseSettings, as keep_all=True. Raises RecordError or FitError.
     """
-    record, holdout = record_of(record), None if holdout is None else record_of(holdout)
+    record = sound_record(record, gated=True)
+    holdout = None if holdout is None else sound_record(holdout, gated=True)
     chosen = with_changes(settings or DiagnoseSettings(), changes)
     if chosen.price is None:
         chosen = dataclasses.replace(chosen, price=price_of)

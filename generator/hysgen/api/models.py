@@ -52,13 +52,21 @@ def fit(
     record: a Record, a DataFrame, or the name of a file. memory: whether the path holds a hysteresis: True, the number
     of its plays, or a PathSize. changes: fields of FitSettings, as rules=8. Raises FitError or RecordError.
     """
-    record = record_of(record)
+    record = sound_record(record)
     chosen = with_changes(settings or FitSettings(), changes)
     if memory is not False:
         size = PathSize(plays=memory) if isinstance(memory, int) and memory is not True else memory
         chosen = dataclasses.replace(chosen, memory=PathSize() if size is True else size)
     warn(check_for_fit(record, chosen.rules, parameter_count(chosen, record)))
     return fit_model(record, chosen, progress=progress)
+
+
+def sound_record(given: Record | Any, gated: bool = False) -> Record:
+    """The record of `record_of` without wrong readings (`Record.without_wrong_readings`), and a warning for each."""
+    record = record_of(given)
+    sound = record.without_wrong_readings(gated)
+    warn(sound.warnings[len(record.warnings) :], 4)
+    return sound
 
 
 def parameter_count(settings: FitSettings, record: Record) -> int:
@@ -79,22 +87,22 @@ def score(model: Model | str | Path, record: Record | Any, settle: int | None = 
     settle: samples at the start that are not scored; by default those that depend on an unknown past. Raises ModelError
     or RecordError.
     """
-    return score_model(model_of(model), record_of(record), settle)
+    return score_model(model_of(model), sound_record(record), settle)
 
 
 def inspect(record: Record | Any) -> Inspection:
     """Ranges, noise and excitation of a record, and what each cause needs to show. Raises RecordError."""
-    return inspect_record(record_of(record))
+    return inspect_record(sound_record(record))
 
 
 def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
     """The same structure fitted to another record, and its scores there. Raises ModelError, RecordError or FitError."""
-    return refit_model(model_of(model), record_of(record), progress)
+    return refit_model(model_of(model), sound_record(record), progress)
 
 
 def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:
     """What changed from one model to another of the same structure; free-run errors of both on `records`."""
-    return compare_models(model_of(old), model_of(new), [record_of(record) for record in records])
+    return compare_models(model_of(old), model_of(new), [sound_record(record) for record in records])
 
 
 def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
@@ -110,7 +118,7 @@ def rivals(
     Each is fitted to `known`. settle: samples at the start of each segment that are not scored.
     Raises RecordError or FitError.
     """
-    known, unseen = record_of(known), record_of(unseen)
+    known, unseen = sound_record(known), sound_record(unseen)
     outputs = [run.y_um for run in free_run(fit_model(known, progress=progress), unseen)]
     simple = score_prediction(unseen, outputs, settle)
     return {PAPERS_MODEL: simple, **dict(score_rivals(fit_rivals(known), unseen, settle))}
@@ -135,7 +143,7 @@ def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:
     return dataclasses.replace(settings, **changes)
 
 
-def warn(lines: Iterable[str]) -> None:
+def warn(lines: Iterable[str], callers: int = 3) -> None:
     """Warn of a record; a verb prints these warnings on stderr."""
     for line in lines:
-        warnings.warn(line, RecordWarning, stacklevel=3)
+        warnings.warn(line, RecordWarning, stacklevel=callers)

@@ -52,10 +52,12 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_records(paths: list[str], arguments: argparse.Namespace, console: Console, echo: bool = True) -> Record:
+def read_records(
+    paths: list[str], arguments: argparse.Namespace, console: Console, echo: bool = True, gated: bool = False
+) -> Record:
     """The records at `paths`, joined as segments of one record; warnings go to stderr.
 
-    echo: print one line with rate, duration and ranges.
+    echo: print one line with rate, duration and ranges. gated: see `Record.without_wrong_readings`.
     """
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
     with tempfile.TemporaryDirectory() as folder:
@@ -66,6 +68,7 @@ def read_records(paths: list[str], arguments: argparse.Namespace, console: Conso
             accept=arguments.accept,
             split_at_gaps=arguments.split_at_gaps,
         )
+    record = record.without_wrong_readings(gated)
     for warning in record.warnings:
         console.warn(warning)
     if echo:

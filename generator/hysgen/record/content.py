@@ -22,6 +22,7 @@ from hysgen.record.relation import held, rate, relation, scale
 from hysgen.record.runs import at_gaps, runs_of_arrays, shifted
 from hysgen.record.sampling import JITTER, rounding_line, sampling_period
 from hysgen.record.segment import Segment
+from hysgen.record.wrong_readings import sound
 
 DEFAULT = Columns()
 
@@ -113,7 +114,8 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
     if columns.shift:
         runs = [shifted(run, columns.shift) for run in runs]
     runs, dropped = _with_channels(runs, source, columns)
-    warnings = check_values(runs, accept)
+    readings = sound(runs)
+    warnings = check_values(readings, accept)
     stamps = [run for run in runs if run.stamps_s.size]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
     if stamps and (line := rounding_line(stamps)) is not None:
@@ -122,10 +124,10 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
         raise RecordError(f"{source}: has no time and no sampling period; give --columns Ts_s=SECONDS")
     doubts = list(rate(source, Ts_s))
     if not any("exchanged" in line for line in warnings):
-        doubts += relation(runs, Ts_s)
-    doubts += held(runs, Ts_s)
+        doubts += relation(readings, Ts_s)
+    doubts += held(readings, Ts_s)
     if columns.displacement_unit is None and columns.unit("displacement") == "um":
-        doubts += scale(runs)
+        doubts += scale(readings)
     segments = [Segment(run.name, run.u_V, run.y_um, run.aux, float(run.stamps_s[:1].sum())) for run in runs]
     named = (
         f"{source}: {line.removeprefix(f'{source}: ')}"

@@ -19,6 +19,7 @@ from hysgen.record.columns import Columns
 from hysgen.record.content import parts_of_frame
 from hysgen.record.relation import held, rate, relation, scale
 from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
+from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_of, sound
 
 LONGEST_PERIOD_S = 100.0
 """A longer sampling period is taken for a rate in Hz and refused."""
@@ -98,12 +99,12 @@ class Record(Displayed):
                 f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
             )
         check_marks([run])
-        warnings = check_values([run], accept)
+        readings = sound([run])
+        warnings = check_values(readings, accept)
         swapped = any("exchanged" in line for line in warnings)
-        related = () if swapped else relation([run], Ts_s)
-        return cls.from_segments(
-            [run], Ts_s, source, (*warnings, *related, *held([run], Ts_s), *scale([run]), *rate(source, Ts_s))
-        )
+        related = () if swapped else relation(readings, Ts_s)
+        doubts = (*related, *held(readings, Ts_s), *scale(readings), *rate(source, Ts_s))
+        return cls.from_segments([run], Ts_s, source, (*warnings, *doubts))
 
     @classmethod
     def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:
@@ -260,6 +261,19 @@ class Record(Displayed):
             return self
         parts = [segment.whole() for segment in self.segments]
         return Record.from_segments(parts, self.Ts_s, self.source, self.warnings)
+
+    def without_wrong_readings(self, gated: bool = False) -> Record:
+        """The record with its single wrong readings bridged (`wrong_readings`), and a line for each in its warnings.
+
+        gated: a record with frequent ones stays as it is, for a diagnosis to judge.
+        """
+        segments, found = bridged_segments(self.segments, self.Ts_s)
+        if gated and are_frequent([one.row for one in found], self.samples):
+            return self
+        if all(new is old for new, old in zip(segments, self.segments, strict=True)):
+            return self
+        warnings = (*self.warnings, *lines_of(self.source, found))
+        return Record.from_segments(segments, self.Ts_s, self.source, warnings)
 
     @property
     def past_samples(self) -> tuple[int, ...]:

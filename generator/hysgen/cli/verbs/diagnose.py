@@ -55,8 +55,8 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
 
 @several_processes(__name__)
 def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
-    record = read_records(arguments.records, arguments, console)
-    holdout = read_records(arguments.holdout, arguments, console) if arguments.holdout else None
+    record = read_records(arguments.records, arguments, console, gated=True)
+    holdout = read_records(arguments.holdout, arguments, console, gated=True) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
     fitted = FitSettings(name=name, rules=arguments.rules)
     settings = DiagnoseSettings(fit=fitted, keep_all=arguments.keep_all, resume=True)

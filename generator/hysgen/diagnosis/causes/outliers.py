@@ -1,7 +1,7 @@
 """Outliers: single readings far from both neighbours.
 
 The probe's chain has no part for outliers: the search excludes them from every fit (`outlier_detection`), the fit of
-the model has weights of 0 for them, and the learner gets a gate.
+the model has weights of 0 for them, and the learner gets a gate if they are frequent (`wrong_readings.are_frequent`).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
 from hysgen.record.outlier_detection import LEAST_DEVIATION, local_scatter
 from hysgen.record.series import MEDIAN_TO_DEVIATION
+from hysgen.record.wrong_readings import are_frequent
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +61,8 @@ class OutliersCause(Cause):
         )
 
     def extension(self, residual: Residual) -> Extension:
-        return Extension(trust=np.where(residual.corrupted, 0.0, 1.0), gate=True)
+        gate = are_frequent(np.flatnonzero(residual.corrupted), len(residual.corrupted))
+        return Extension(trust=np.where(residual.corrupted, 0.0, 1.0), gate=gate)
 
 
 def _deviation(residual: Residual) -> Floats:
