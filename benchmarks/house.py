@@ -3,6 +3,7 @@
 A table with a row for each package below generator/, then figures of the product, generator/hysgen. Code is what is no
 docstring, import, comment or blank line; a constant is a name in capitals that a module assigns at its top.
 
+    --check            compare with [tool.house] of pyproject.toml: a line for each excess, exit code 1
     --words WORD ...   words to count (default: the names of the causes)
     --json             the same figures as JSON
 
@@ -18,6 +19,8 @@ import argparse
 import ast
 import json
 import re
+import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -28,6 +31,9 @@ CAUSES = (
 )
 NO_ENTRY = {"__init__", "__main__"}
 MOST_PARAMETERS = 6
+PRONOUNS = {"one", "found", "each", "kept", "left", "told", "there"}
+"""Words that are no names: a reader cannot search for them, and they do not say what they hold."""
+
 Module = tuple[str, ...]
 
 
@@ -72,6 +78,45 @@ def figures(root: Path, words: tuple[str, ...]) -> dict[str, Any]:
             if count > MOST_PARAMETERS
         ],
     }
+
+
+def excesses(root: Path) -> list[str]:
+    """Every figure above its limit in [tool.house] of pyproject.toml, with place and numbers."""
+    limits = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["house"]
+    known = figures(root, ())
+    sizes = {**known["packages"], **{name: {"lines": lines} for name, lines in known["lines"].items()}}
+    lines = [
+        f"{name}: {sizes[name][unit]} {unit}, the budget is {most}: delete as much as you add"
+        for name, budget in limits["budget"].items()
+        for unit, most in budget.items()
+        if sizes[name][unit] > most
+    ]
+    rooms: dict[str, list[str]] = {}
+    for path in sorted((root / "generator").rglob("*.py")):
+        parts = path.relative_to(root / "generator").with_suffix("").parts
+        rooms.setdefault("/".join(parts[:2]), []).extend(_pronouns(path))
+    for room, places in rooms.items():
+        most = limits["pronouns"].get(room, 0)
+        if len(places) > most:
+            lines.append(f"{room}: {len(places)} names say nothing, {most} are allowed: {', '.join(places[-5:])}")
+    return lines
+
+
+def _pronouns(path: Path) -> list[str]:
+    """Place and name of every variable, argument, function or class of a file that is named by a pronoun.
+
+    `left` beside `right` is a side.
+    """
+    names = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.append((node.lineno, node.id))
+        elif isinstance(node, ast.arg):
+            names.append((node.lineno, node.arg))
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.append((node.lineno, node.name))
+    said = PRONOUNS - ({"left"} if any(name == "right" for _, name in names) else set())
+    return [f"{path.name}:{line} {name}" for line, name in sorted(names) if name in said]
 
 
 def _size(package: Path) -> dict[str, float]:
@@ -189,7 +234,12 @@ def main() -> None:
     parser.add_argument("checkout", nargs="?", type=Path, default=Path(__file__).resolve().parents[1])
     parser.add_argument("--words", nargs="+", default=CAUSES, metavar="WORD")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
+    if arguments.check:
+        lines = excesses(arguments.checkout)
+        print(*lines, sep="\n", end="\n" if lines else "")
+        sys.exit(bool(lines))
     found = figures(arguments.checkout, tuple(arguments.words))
     if arguments.json:
         print(json.dumps(found, indent=2))

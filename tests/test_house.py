@@ -151,3 +151,29 @@ def test_a_new_target_is_one_file(tmp_path: Path) -> None:
     head = next(line for line in done.stdout.splitlines() if line.startswith("function"))
     assert "Cortex-M4" in head
     assert "C674x" not in head
+
+
+@pytest.mark.parametrize(
+    ("planted", "said"),
+    [
+        ("found = 1\n", "hysgen/plain: 1 names say nothing, 0 are allowed: plain.py:1 found"),
+        ("def one(each): ...\n", "hysgen/plain: 2 names say nothing, 0 are allowed: plain.py:1 each, plain.py:1 one"),
+        ("left, right = 1, 2\n", ""),
+        ("a = 1\n" * 21, "hysgen: 21 lines, the budget is 20: delete as much as you add"),
+    ],
+)
+def test_style_refuses_a_pronoun_as_a_name_and_a_package_above_its_budget(
+    planted: str, said: str, tmp_path: Path
+) -> None:
+    for name in ("hysgen/__init__.py", "hysgen/plain.py"):
+        (tmp_path / "generator" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "generator" / name).write_text(planted if "plain" in name else "")
+    limits = "[tool.house.budget]\nhysgen = { lines = 20, files = 2 }\n[tool.house.pronouns]\n"
+    (tmp_path / "pyproject.toml").write_text(limits)
+    done = subprocess.run(
+        [sys.executable, str(GENERATOR.parent / "benchmarks" / "house.py"), str(tmp_path), "--check"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout.strip(), done.returncode) == (said, bool(said)), done.stderr

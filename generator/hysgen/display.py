@@ -97,7 +97,7 @@ class Displayed(abc.ABC):
         except TypeError as fault:
             if not what:
                 raise
-            asked = ", ".join(repr(one) for one in what)
+            asked = ", ".join(repr(plot) for plot in what)
             raise HysgenError(f"{type(self).__name__}: nothing to plot for {asked}; call plot() without it") from fault
 
     def __repr__(self) -> str:

@@ -134,8 +134,8 @@ def cost(code: Generated | str | Path) -> Cost:
 
 
 def _of_folder(folder: str | Path) -> tuple[Model, Mapping[str, str]]:
-    found = read_folder(Path(folder))
-    return found.model, found.texts
+    generated = read_folder(Path(folder))
+    return generated.model, generated.texts
 
 
 def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:

@@ -77,8 +77,8 @@ class Certificates(Displayed):
 
     def summary(self) -> Summary:
         """Content of the display."""
-        found = {"gain": self.gain_holds, "contraction": self.contraction_holds, "inverse": self.inverse_holds}
-        title = "; ".join(f"{name} {'holds' if holds else 'NOT certified'}" for name, holds in found.items())
+        answers = {"gain": self.gain_holds, "contraction": self.contraction_holds, "inverse": self.inverse_holds}
+        title = "; ".join(f"{name} {'holds' if holds else 'NOT certified'}" for name, holds in answers.items())
         return Summary(f"certificates: {title}", first=self.lines())
 
     def lines(self) -> tuple[str, ...]:

@@ -75,10 +75,10 @@ class PathInverse:
         """Text of slopes, zero and blocks that are left out; empty without responses of the stage."""
         texts = []
         if self.slopes is not None:
-            found = self.slopes
+            slopes = self.slopes
             texts.append(
-                f"slope of the hysteresis {found.least:.3g} .. {found.largest:.3g} of its mean "
-                f"{found.mean_um_per_V:.3g} um/V ({'for every past' if found.proved else 'sampled, not proved'})"
+                f"slope of the hysteresis {slopes.least:.3g} .. {slopes.largest:.3g} of its mean "
+                f"{slopes.mean_um_per_V:.3g} um/V ({'for every past' if slopes.proved else 'sampled, not proved'})"
             )
         if self.zero > 0.0:
             texts.append(f"zeros of creep and modes within {self.zero:.6f}")
@@ -195,8 +195,8 @@ def _moved(block: Hysteresis, path: Floats, z: Floats, d: Floats) -> tuple[Float
     rising = path[-1, 0] > path[0, 0]
     taken = np.maximum(z, path - r) if rising else np.minimum(z, path + r)
     sign = 1.0 if rising else -1.0
-    left = exponential(-np.abs(path - path[0]) / np.array(block.reaches))
-    return taken, sign - (sign - d) * left
+    remaining = exponential(-np.abs(path - path[0]) / np.array(block.reaches))
+    return taken, sign - (sign - d) * remaining
 
 
 def _slope(block: Hysteresis, x: Floats, z: Floats, d: Floats, sign: float) -> Floats:

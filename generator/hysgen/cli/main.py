@@ -89,7 +89,7 @@ def _paragraphs(text: str) -> str:
     """The text with each paragraph folded to the terminal; indented lines stay."""
     columns = shutil.get_terminal_size().columns
     parts = text.strip("\n").split("\n\n")
-    return "\n\n".join(one if one.startswith(" ") else textwrap.fill(one, columns) for one in parts)
+    return "\n\n".join(part if part.startswith(" ") else textwrap.fill(part, columns) for part in parts)
 
 
 def _examples(lines: Sequence[str]) -> str:
@@ -195,7 +195,7 @@ def _place_matplotlib() -> None:
         return
     home = Path(os.environ.get("HOME", "/"))
     try:
-        with tempfile.TemporaryFile(dir=next(one for one in (home, *home.parents) if one.exists())):
+        with tempfile.TemporaryFile(dir=next(folder for folder in (home, *home.parents) if folder.exists())):
             pass
     except OSError:
         from hysgen.machine.native import cache_folder  # imports NumPy, which --version does without

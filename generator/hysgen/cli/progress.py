@@ -46,8 +46,8 @@ class ProgressLine:
             self._last = None if fraction >= 1.0 else (fraction, what)
             if fraction != self._estimated[0]:
                 now = time.monotonic()
-                left = (now - self.started) * (1.0 - fraction) / fraction if fraction > LEAST_FRACTION else 0.0
-                self._estimated = fraction, now, left
+                remaining_s = (now - self.started) * (1.0 - fraction) / fraction if fraction > LEAST_FRACTION else 0.0
+                self._estimated = fraction, now, remaining_s
             if self.verbose or fraction >= 1.0 or time.monotonic() - self._printed >= self._interval():
                 self._print(fraction, what)
             if self._thread is None and self._last is not None:
@@ -105,5 +105,7 @@ class ProgressLine:
         if passed < LEAST_SECONDS:
             return ""
         _, at, estimate = self._estimated
-        left = estimate - (now - at)
-        return f"  ({passed:.0f} s{f', about {left:.0f} s left' if left >= 0.5 and fraction < 1.0 else ''})"
+        remaining_s = estimate - (now - at)
+        return (
+            f"  ({passed:.0f} s{f', about {remaining_s:.0f} s left' if remaining_s >= 0.5 and fraction < 1.0 else ''})"
+        )

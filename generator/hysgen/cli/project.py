@@ -44,12 +44,12 @@ def project_options(verb: str, parser: argparse.ArgumentParser, known: tuple[str
     actions = {
         option[2:]: action for action in parser._actions for option in action.option_strings if option.startswith("--")
     }
-    found: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for table in (RECORD, verb):
         for key, value in tables.get(table, {}).items():
             action = actions.get(key.replace("_", "-"))
             if action is not None:
-                found[action.dest] = _converted(action, key, value)
+                given[action.dest] = _converted(action, key, value)
             elif table == verb or "columns" in actions:
                 from hysgen.record.columns import nearest  # imports NumPy, which --help does without
 
@@ -57,7 +57,7 @@ def project_options(verb: str, parser: argparse.ArgumentParser, known: tuple[str
                     f"{NAME}: [{table}] {key}: hysgen {verb} has no option --{key}{nearest(key, actions)}; "
                     f"see hysgen {verb} --help"
                 )
-    return found
+    return given
 
 
 def _converted(action: argparse.Action, key: str, value: Any) -> Any:
@@ -68,7 +68,7 @@ def _converted(action: argparse.Action, key: str, value: Any) -> Any:
     except (TypeError, ValueError) as fault:
         raise HysgenError(f"{NAME}: {key} = {value!r} does not suit --{key}; correct it") from fault
     if action.choices is not None:
-        for one in value if isinstance(value, list) else [value]:
-            if one not in action.choices:
-                raise HysgenError(f"{NAME}: {key} = {one!r}: choose from {', '.join(map(str, action.choices))}")
+        for item in value if isinstance(value, list) else [value]:
+            if item not in action.choices:
+                raise HysgenError(f"{NAME}: {key} = {item!r}: choose from {', '.join(map(str, action.choices))}")
     return value

@@ -72,29 +72,29 @@ def learner_feature(model: Model, numbers: Coefficients) -> Feature | None:
     """The generated learner of a model with learner settings; None for a model without."""
     if model.learner is None:
         return None
-    found = learner_numbers(model, numbers)
+    settings = learner_numbers(model, numbers)
     upper = model.name.upper()
     described = LearnerWords.described()
-    groups = _groups(found)
+    groups = _groups(settings)
     facts = LearnerFacts(
         members=rows(learner_struct(model, numbers).members),
         status_rows=_status_rows(upper),
         grid_rows=[
             f"#define {upper}_{name + '_GRID':<14}  {literal(np.float32(ROUNDING * np.float32(grid)))}"
             for name, grid in GRIDS.items()
-            if name != "FACTOR" or factors(found.size)
+            if name != "FACTOR" or factors(settings.size)
         ],
         restart=_written({member: _restart(member, model.name) for member in _restarted(described)}),
         start=_written({member: _start(member) for member in described if member.start}),
         counters=list(LEARNER_COUNTERS),
         sliding_always=model.learner.forgetting < 1.0,
-        n=found.size,
-        factors=factors(found.size),
-        unroll=max(factors(found.size), numbers.rules),
+        n=settings.size,
+        factors=factors(settings.size),
+        unroll=max(factors(settings.size), numbers.rules),
         groups=groups,
-        fixed=_fixed(model, found),
+        fixed=_fixed(model, settings),
     )
-    return Feature("learn.c.j2", {"learner": facts}, _sections(found, model, firing=bool(groups)))
+    return Feature("learn.c.j2", {"learner": facts}, _sections(settings, model, firing=bool(groups)))
 
 
 def _status_rows(upper: str) -> list[str]:
@@ -104,9 +104,9 @@ def _status_rows(upper: str) -> list[str]:
     ]
 
 
-def _groups(found: LearnerNumbers) -> dict[str, str]:
+def _groups(numbers: LearnerNumbers) -> dict[str, str]:
     """C index of the parameter of rule l in the vectors of the learner, by learned group, in the order of Eq. (9)."""
-    names = [parameter.group for parameter in found.parameters if parameter.index == 0 and parameter.group != "bias"]
+    names = [parameter.group for parameter in numbers.parameters if parameter.index == 0 and parameter.group != "bias"]
     if len(names) < 2:
         return dict.fromkeys(names, "l")
     return {name: f"{len(names)}u * l" + (f" + {place}u" if place else "") for place, name in enumerate(names)}
@@ -114,8 +114,8 @@ def _groups(found: LearnerNumbers) -> dict[str, str]:
 
 def _start(member: Described) -> str:
     """The initial value that `_learn_init` writes into `member`, as C text; "" if another function writes it."""
-    zero, one = ("0.0f", "1.0f") if member.type == "float" else ("0u", "1u")
-    texts = {Start.ZERO: zero, Start.ONE: one, Start.MODEL_Y: "model->y_um", Start.MODEL_U: "model->u_V"}
+    zero, unit = ("0.0f", "1.0f") if member.type == "float" else ("0u", "1u")
+    texts = {Start.ZERO: zero, Start.ONE: unit, Start.MODEL_Y: "model->y_um", Start.MODEL_U: "model->u_V"}
     return texts[member.start] if member.start else ""
 
 
@@ -134,9 +134,11 @@ def _written(values: Mapping[Described, str]) -> dict[str, dict[str, str]]:
 
 def _restarted(members: Sequence[Described]) -> list[Described]:
     """Members that a restart writes: vectors in the order of `Restart`, the others in the order of the struct."""
-    found = [member for member in members if member.restart]
+    restarted = [member for member in members if member.restart]
     order = list(Restart)
-    return sorted(found, key=lambda m: order.index(m.restart) if m.restart and m.holds is Holds.VECTOR else len(order))
+    return sorted(
+        restarted, key=lambda m: order.index(m.restart) if m.restart and m.holds is Holds.VECTOR else len(order)
+    )
 
 
 def _restart(member: Described, name: str) -> str:
@@ -150,65 +152,65 @@ def _restart(member: Described, name: str) -> str:
     return texts[member.restart] if member.restart else ""
 
 
-def _fixed_sums(found: LearnerNumbers) -> str:
+def _fixed_sums(numbers: LearnerNumbers) -> str:
     """The sums over the rules whose parameters are not learned, as C text; "" if all are learned."""
     sums = {"slope": "y * sums.slope", "offset": "sums.offset", "gain": "u * sums.gain"}
-    return " + ".join(text for group, text in sums.items() if not found.learns(group))
+    return " + ".join(text for group, text in sums.items() if not numbers.learns(group))
 
 
-def _fixed(model: Model, found: LearnerNumbers) -> str:
+def _fixed(model: Model, numbers: LearnerNumbers) -> str:
     """The part of the prediction y(k+1) whose parameters are not learned, as C text [um]."""
-    sums = _fixed_sums(found)
+    sums = _fixed_sums(numbers)
     parts = [f"({sums}) * per_weight"] if sums else []
     if model.terms:
         parts.append(f"{model.name}_terms_sum(&self->base, &self->terms)")
     return f"{model.name}_flushed({' + '.join(parts)})" if parts else "0.0f"
 
 
-def _sections(found: LearnerNumbers, model: Model, *, firing: bool) -> list[Section]:
+def _sections(numbers: LearnerNumbers, model: Model, *, firing: bool) -> list[Section]:
     """The learner's numbers for `<name>_params.h`."""
     n = f"{model.name.upper()}_LEARNED"
-    settings, share = found.settings, found.floor_um
+    settings, share = numbers.settings, numbers.floor_um
     levels = [
-        Constant("LEARN_Y_LOW_UM", found.y_low_um),
-        Constant("LEARN_Y_HIGH_UM", found.y_high_um),
-        Constant("LEARN_REST_V", found.rest_V),
-        Constant("LEARN_FLOOR_UM", found.floor_um),
+        Constant("LEARN_Y_LOW_UM", numbers.y_low_um),
+        Constant("LEARN_Y_HIGH_UM", numbers.y_high_um),
+        Constant("LEARN_REST_V", numbers.rest_V),
+        Constant("LEARN_FLOOR_UM", numbers.floor_um),
         Constant("LEARN_FLOOR_SQUARE", share * share),
-        Constant("LEARN_LEVEL_UM", found.level_um),
+        Constant("LEARN_LEVEL_UM", numbers.level_um),
         Constant("LEARN_FAST", np.float32(FAST)),
         Constant("LEARN_SLOW", np.float32(SLOW)),
     ]
     protections = [
-        Constant("LEARN_GATE", found.gate_ratio),
-        Constant("LEARN_GATE_FLOOR_UM", found.gate_floor_um),
-        Constant("LEARN_DEAD_ZONE_UM", found.dead_zone_um),
-        Constant("LEARN_WORSE", found.worse),
-        Constant("LEARN_LOST", found.lost),
-        Constant("LEARN_STEP_UM", found.step_um),
-        Constant("LEARN_LIMIT_UM", found.limit_um),
+        Constant("LEARN_GATE", numbers.gate_ratio),
+        Constant("LEARN_GATE_FLOOR_UM", numbers.gate_floor_um),
+        Constant("LEARN_DEAD_ZONE_UM", numbers.dead_zone_um),
+        Constant("LEARN_WORSE", numbers.worse),
+        Constant("LEARN_LOST", numbers.lost),
+        Constant("LEARN_STEP_UM", numbers.step_um),
+        Constant("LEARN_LIMIT_UM", numbers.limit_um),
         Constant("LEARN_LEAST_VARIANCE", np.float32(LEAST_VARIANCE)),
-        Constant("LEARN_LARGEST_DENOMINATOR", found.largest_denominator),
+        Constant("LEARN_LARGEST_DENOMINATOR", numbers.largest_denominator),
         Constant("LEARN_OUTLIER_RUN", np.uint32(settings.outlier_run)),
         Constant("LEARN_SETTLING", np.uint32(settings.settle // 2)),
         Constant("LEARN_SETTLED", np.uint32(settings.settle)),
         Constant("LEARN_REFRESH_EVERY", np.uint32(settings.refresh)),
         Constant("LEARN_WINDOW", np.uint32(settings.window)),
-        Constant("LEARN_INFLATE_FIRST", found.inflate_first),
-        Constant("LEARN_INFLATE", found.inflate),
-        Constant("LEARN_PER_Y", found.per_y),
-        Constant("LEARN_PER_U", found.per_u),
+        Constant("LEARN_INFLATE_FIRST", numbers.inflate_first),
+        Constant("LEARN_INFLATE", numbers.inflate),
+        Constant("LEARN_PER_Y", numbers.per_y),
+        Constant("LEARN_PER_U", numbers.per_u),
     ]
     tables = [
-        Table("learn_scale", n, found.scale, Quantity("theta per number in the bank")),
-        Table("learn_per_scale", n, found.per_scale, Quantity("number in the bank per theta")),
-        Table("learn_prior", n, found.prior, Quantity("D at the start")),
-        Table("learn_ceiling", n, found.ceiling, Quantity("largest D")),
-        Table("learn_refresh", n, found.refresh, Quantity("regressor of the sample that restores the prior")),
+        Table("learn_scale", n, numbers.scale, Quantity("theta per number in the bank")),
+        Table("learn_per_scale", n, numbers.per_scale, Quantity("number in the bank per theta")),
+        Table("learn_prior", n, numbers.prior, Quantity("D at the start")),
+        Table("learn_ceiling", n, numbers.ceiling, Quantity("largest D")),
+        Table("learn_refresh", n, numbers.refresh, Quantity("regressor of the sample that restores the prior")),
     ]
     if firing:
         near = Quantity("power of two nearest to each rule's strength")
-        tables.append(Table("learn_firing", f"{model.name.upper()}_RULES", found.firing, near, rule_axis(model)))
+        tables.append(Table("learn_firing", f"{model.name.upper()}_RULES", numbers.firing, near, rule_axis(model)))
     return [
         Section("Learner: plausible displacements, rest, levels of the innovation and how fast they follow.", levels),
         Section(
@@ -231,7 +233,7 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
     """
     if model.learner is None:
         return None
-    found = commit_numbers(model, numbers, certificates)
+    limits = commit_numbers(model, numbers, certificates)
     upper = model.name.upper()
     facts = {
         "answer_rows": _enumerators(f"{upper}_COMMIT", COMMIT_MEANINGS),
@@ -240,7 +242,7 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
         "bias": "bias" in model.learner.learned,
         "points_per_call": model.learner.points_per_call,
     }
-    return Feature("commit.c.j2", {"commit": facts}, _commit_sections(found, upper, rule_axis(model)))
+    return Feature("commit.c.j2", {"commit": facts}, _commit_sections(limits, upper, rule_axis(model)))
 
 
 def _enumerators(prefix: str, meanings: Mapping[Commit, str] | Mapping[Phase, str]) -> list[str]:
@@ -250,29 +252,29 @@ def _enumerators(prefix: str, meanings: Mapping[Commit, str] | Mapping[Phase, st
     return [f"{text:<{wide}}  /**< {meaning} */" for text, meaning in zip(texts, meanings.values(), strict=True)]
 
 
-def _commit_sections(found: CommitNumbers, upper: str, axis: Axis) -> list[Section]:
+def _commit_sections(numbers: CommitNumbers, upper: str, axis: Axis) -> list[Section]:
     constants = [
-        Constant("COMMIT_MATURE", np.uint32(found.settings.mature)),
-        Constant("COMMIT_HALF_UM", found.half_um),
-        Constant("COMMIT_GAIN_REMAINDER", found.gain_remainder),
-        Constant("COMMIT_SLOPE_REMAINDER_1", found.slope_remainder_1),
-        Constant("COMMIT_SLOPE_REMAINDER_3", found.slope_remainder_3),
-        Constant("COMMIT_SIGN", found.sign),
-        Constant("COMMIT_GAIN_FLOOR", found.gain_floor),
-        Constant("COMMIT_GAIN_CEILING", found.gain_ceiling),
-        Constant("COMMIT_SLOPE_LIMIT", found.slope_limit),
+        Constant("COMMIT_MATURE", np.uint32(numbers.settings.mature)),
+        Constant("COMMIT_HALF_UM", numbers.half_um),
+        Constant("COMMIT_GAIN_REMAINDER", numbers.gain_remainder),
+        Constant("COMMIT_SLOPE_REMAINDER_1", numbers.slope_remainder_1),
+        Constant("COMMIT_SLOPE_REMAINDER_3", numbers.slope_remainder_3),
+        Constant("COMMIT_SIGN", numbers.sign),
+        Constant("COMMIT_GAIN_FLOOR", numbers.gain_floor),
+        Constant("COMMIT_GAIN_CEILING", numbers.gain_ceiling),
+        Constant("COMMIT_SLOPE_LIMIT", numbers.slope_limit),
     ]
     tables = [
-        Table("commit_unfold", f"{upper}_RULES", found.unfold, Quantity("1 / strength of each rule"), axis),
-        Table("commit_y", f"{found.points}", found.y_um, Quantity("check points", "um")),
+        Table("commit_unfold", f"{upper}_RULES", numbers.unfold, Quantity("1 / strength of each rule"), axis),
+        Table("commit_y", f"{numbers.points}", numbers.y_um, Quantity("check points", "um")),
         Table(
             "commit_table",
-            f"{found.table.size}",
-            found.table.ravel(),
+            f"{numbers.table.size}",
+            numbers.table.ravel(),
             Quantity("memberships and their first two derivatives over the strengths, at each check point"),
         ),
     ]
-    checks = Section("Commit: check points.", [Constant("COMMIT_POINTS", np.uint32(found.points))], public=True)
+    checks = Section("Commit: check points.", [Constant("COMMIT_POINTS", np.uint32(numbers.points))], public=True)
     limits = Section(
         "Commit: half the distance h of the check points; what Taylor's theorem leaves, h^2/2 times bounds of the\n"
         "memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''\n"

@@ -117,8 +117,8 @@ def stale(texts: Mapping[str, str], folder: Path) -> list[Stale]:
     return differences
 
 
-def _first_difference(one: bytes, other: bytes) -> int:
+def _first_difference(old: bytes, new: bytes) -> int:
     """Number of the first different line, counted from 1."""
-    mine, theirs = one.split(b"\n"), other.split(b"\n")
+    mine, theirs = old.split(b"\n"), new.split(b"\n")
     pairs = enumerate(zip(mine, theirs, strict=False), start=1)
     return next((number for number, (a, b) in pairs if a != b), min(len(mine), len(theirs)) + 1)

@@ -176,7 +176,7 @@ def _committed(committer: Committer, instance: Instance, theta: NDArray[np.float
     while answer == Commit.BUSY:
         answer, calls = Commit(int(committer.commit()[0])), calls + 1
     words = hashed(_learner_words(committer), hashed(_instance_words(committer, instance)))
-    return CommitCase([int(each) for each in theta.view(np.uint32)[:, 0]], age, calls, int(answer), words)
+    return CommitCase([int(word) for word in theta.view(np.uint32)[:, 0]], age, calls, int(answer), words)
 
 
 def _learner_words(committer: Committer) -> list[int]:

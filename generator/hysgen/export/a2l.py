@@ -105,9 +105,9 @@ class Description:
     def methods(self) -> list[Method]:
         """Every COMPU_METHOD that an entry or an axis names, once."""
         both = (*self.characteristics, *self.measurements)
-        found = [Method(entry.conversion, entry.asap, entry.unit) for entry in both]
-        found += [Method(entry.axis_conversion, "FLOAT32_IEEE", entry.axis.unit) for entry in both if entry.axis]
-        return list({method.name: method for method in found}.values())
+        methods = [Method(entry.conversion, entry.asap, entry.unit) for entry in both]
+        methods += [Method(entry.axis_conversion, "FLOAT32_IEEE", entry.axis.unit) for entry in both if entry.axis]
+        return list({method.name: method for method in methods}.values())
 
 
 @dataclass(frozen=True)
@@ -199,10 +199,10 @@ class Limits:
         """The hull over all elements of a member with scalars; the range of its type where an element has none."""
         paths = [word.path for word in member.words(path)]
         if member.type == "float":
-            known = [self.floats[each] for each in paths if each in self.floats]
+            known = [self.floats[word] for word in paths if word in self.floats]
             whole = len(known) == len(paths)
             return (min(i.low for i in known), max(i.high for i in known)) if whole else (-LARGEST, LARGEST)
-        return 0.0, max(float(self.integers.get(each, LARGEST_WORD)) for each in paths)
+        return 0.0, max(float(self.integers.get(word, LARGEST_WORD)) for word in paths)
 
 
 @dataclass(frozen=True)
@@ -223,9 +223,9 @@ def _bits(word: Entry, meanings: Mapping[Any, str]) -> Iterator[Entry]:
 def _placed(elf: Elf, symbol: str, size: int) -> int:
     if symbol not in elf.symbols:
         raise BuildError(f"{symbol}: the ELF has no such variable; name it with --instance, or link it")
-    address, found = elf.symbols[symbol]
-    if found != size:
-        raise BuildError(f"{symbol}: has {found} bytes in the ELF, {size} in the model; link the model's present C")
+    address, linked = elf.symbols[symbol]
+    if linked != size:
+        raise BuildError(f"{symbol}: has {linked} bytes in the ELF, {size} in the model; link the model's present C")
     if address + size > 1 << _ADDRESS_BITS:
         raise BuildError(f"{symbol}: lies at {address:#x}, beyond the 32 bits of an A2L address; link with -no-pie")
     return address

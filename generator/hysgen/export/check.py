@@ -62,7 +62,7 @@ def compare(
     runners = export_of(target).ways
     modes = modes_of(model, chosen)
     component = Reference.compile(model, chosen)
-    found = []
+    compared = []
     for m, mode in enumerate(modes):
         samples = inputs(component, mode, n)
         expected = component.run(samples)
@@ -72,8 +72,8 @@ def compare(
             given = runner(model, folder, samples)
             if given.shape != expected.shape:
                 raise BuildError(f"{name}, mode {mode.name}: {len(given)} of {n} samples came back")
-            found.append(Compared(name, mode.name, n, int(np.any(given != expected, axis=1).sum())))
-    return found
+            compared.append(Compared(name, mode.name, n, int(np.any(given != expected, axis=1).sum())))
+    return compared
 
 
 @dataclass(frozen=True)

@@ -103,12 +103,12 @@ class Variable:
 
 def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     """The variables of the FMU, in the order of its description."""
-    found: list[Variable] = []
+    listed: list[Variable] = []
 
     def add(name: str, kind: str, causality: str, about: str, **more: Any) -> None:
         variability = more.pop("variability", "continuous" if kind == "float" else "discrete")
-        place = len(found) + 1
-        found.append(
+        place = len(listed) + 1
+        listed.append(
             Variable(place, place, name, kind, causality, variability, about, more.pop("member", name), **more)
         )
 
@@ -139,7 +139,7 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     for flag, meaning in MEANINGS.items():
         if model.responds or flag is not Status.INVERSE_RESIDUAL:
             add(str(flag.name).lower(), "boolean", "output", meaning, member="status", mask=f"0x{int(flag):x}u")
-    return found
+    return listed
 
 
 def fmu_variables(model: Model, options: Options) -> list[Variable]:
@@ -242,7 +242,7 @@ def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Word
         from fmpy.fmi3 import FMU3Slave
     except ImportError as fault:
         raise BuildError("FMPy is not installed: pip install 'hysgen[export]'") from fault
-    found = {variable.name: variable for variable in fmu_variables(model, options_of(folder))}
+    by_name = {variable.name: variable for variable in fmu_variables(model, options_of(folder))}
     path = str(folder / f"{model.name}_fmi{standard}.fmu")
     description = fmpy.read_model_description(path)
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
@@ -256,13 +256,13 @@ def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Word
         )
         fmu.instantiate()
         try:
-            return _stepped(standard, fmu, found, model, samples)
+            return _stepped(standard, fmu, by_name, model, samples)
         finally:
             fmu.terminate()
             fmu.freeInstance()
 
 
-def _stepped(standard: int, fmu: Any, found: Mapping[str, Variable], model: Model, samples: Samples) -> Words:
+def _stepped(standard: int, fmu: Any, by_name: Mapping[str, Variable], model: Model, samples: Samples) -> Words:
     """Results and status words of every sample of an instantiated FMU."""
     set_float, set_word, get_float, get_word = (
         (fmu.setReal, fmu.setInteger, fmu.getReal, fmu.getInteger)
@@ -270,14 +270,17 @@ def _stepped(standard: int, fmu: Any, found: Mapping[str, Variable], model: Mode
         else (fmu.setFloat32, fmu.setUInt32, fmu.getFloat32, fmu.getUInt32)
     )
     inverts = samples.mode.name == "inverse"
-    references = [found[name].reference for name in ("y_um", "y_next_um" if inverts else "u_V")]
-    references += [variable.reference for variable in found.values() if variable.member.startswith("aux[")]
-    result = [found["u_command_V" if inverts else "y_model_um"].reference]
-    status = [found["status"].reference]
+    references = [by_name[name].reference for name in ("y_um", "y_next_um" if inverts else "u_V")]
+    references += [variable.reference for variable in by_name.values() if variable.member.startswith("aux[")]
+    result = [by_name["u_command_V" if inverts else "y_model_um"].reference]
+    status = [by_name["status"].reference]
     if standard == 2:
         fmu.setupExperiment(startTime=0.0)
-    set_word([found["mode"].reference], [samples.mode.number])
-    set_float([found["y0_um"].reference, found["u0_V"].reference], [float(samples.y0_um), float(samples.u0_V)])
+    set_word([by_name["mode"].reference], [samples.mode.number])
+    set_float(
+        [by_name["y0_um"].reference, by_name["u0_V"].reference],
+        [float(samples.y0_um), float(samples.u0_V)],
+    )
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
     values = samples.rows[:, :-1].copy().view(np.float32).astype(float).tolist()
@@ -288,7 +291,7 @@ def _stepped(standard: int, fmu: Any, found: Mapping[str, Variable], model: Mode
     for k, row in enumerate(values):
         set_float(references, row)
         if learns:
-            fmu.setBoolean([found["commit"].reference], [bool(commits[k])])
+            fmu.setBoolean([by_name["commit"].reference], [bool(commits[k])])
         fmu.doStep(currentCommunicationPoint=k * model.Ts_s, communicationStepSize=model.Ts_s)
         results[k] = get_float(result)[0]
         out[k, 1] = get_word(status)[0] & 0xFFFFFFFF

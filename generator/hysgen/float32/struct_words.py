@@ -106,7 +106,7 @@ class StructWords:
         """The members in the order of the struct."""
         described = []
         for name, hint in get_type_hints(cls, include_extras=True).items():
-            members = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Described)]
+            members = [mark for mark in getattr(hint, "__metadata__", ()) if isinstance(mark, Described)]
             described += [dataclasses.replace(member, name=name) for member in members]
         return tuple(described)
 

@@ -51,31 +51,31 @@ def steps(inputs: Sequence[str], sources: Path) -> Steps:
 
 def content_digest(value: Any) -> str:
     """Digest of a value from arrays, mappings, sequences, dataclasses (their fields with a repr) and plain values."""
-    found = hashlib.sha256()
+    hasher = hashlib.sha256()
 
     def add(part: Any) -> None:
-        found.update(f"{type(part).__name__}(".encode())
+        hasher.update(f"{type(part).__name__}(".encode())
         if isinstance(part, np.ndarray):
-            found.update(f"{part.dtype}{part.shape}".encode() + np.ascontiguousarray(part).tobytes())
+            hasher.update(f"{part.dtype}{part.shape}".encode() + np.ascontiguousarray(part).tobytes())
         elif isinstance(part, Mapping):
             add([item for key in sorted(part) for item in (key, part[key])])
         elif isinstance(part, list | tuple):
-            for one in part:
-                add(one)
+            for item in part:
+                add(item)
         elif dataclasses.is_dataclass(part):
-            add([getattr(part, one.name) for one in dataclasses.fields(part) if one.repr])
+            add([getattr(part, item.name) for item in dataclasses.fields(part) if item.repr])
         else:
-            found.update(repr(part).encode())
-        found.update(b")")
+            hasher.update(repr(part).encode())
+        hasher.update(b")")
 
     add(value)
-    return found.hexdigest()[:32]
+    return hasher.hexdigest()[:32]
 
 
 def _kept(path: Path, compute: Callable[[], Result]) -> Result:
     with contextlib.suppress(OSError, pickle.PickleError, EOFError, AttributeError, ImportError):
-        kept: Result = pickle.loads(path.read_bytes())
-        return kept
+        result: Result = pickle.loads(path.read_bytes())
+        return result
     result = compute()
     with contextlib.suppress(HysgenError, pickle.PickleError, TypeError, AttributeError):
         write_whole(path, pickle.dumps(result))

@@ -124,50 +124,50 @@ PERTURBATION: Final = 1e-10
 def spectral_radius(A: Floats) -> float:
     """Largest modulus of the eigenvalues of A, (m, m); infinite if the iteration does not converge."""
     with localcontext(Context(prec=EIGENVALUE_DIGITS)):
-        found, converged = roots(characteristic(A), [complex(p) for p in np.linalg.eigvals(A)])
-        return float(max(modulus(p) for p in found)) if converged else math.inf
+        values, converged = roots(characteristic(A), [complex(p) for p in np.linalg.eigvals(A)])
+        return float(max(modulus(p) for p in values)) if converged else math.inf
 
 
 def characteristic(A: Floats) -> list[Decimal]:
     """Coefficients of det(zI - A), falling powers of z, in the present decimal context."""
     m, rows = len(A), sparse(A)
-    found = [Decimal(1)]
+    coefficients = [Decimal(1)]
     # adj(zI - A) = sum_k G_k z^(m-k), G_1 = I, G_(k+1) = A G_k + d_k I, and d_k = -trace(A G_k)/k.
     adjugate = [[Decimal(0)] * m for _ in range(m)]
     for k in range(1, m + 1):
         adjugate = times(rows, adjugate)
         for i in range(m):
-            adjugate[i][i] += found[-1]
-        found.append(-sum((a * adjugate[j][i] for i, row in enumerate(rows) for j, a in row), Decimal(0)) / k)
-    return found
+            adjugate[i][i] += coefficients[-1]
+        coefficients.append(-sum((a * adjugate[j][i] for i, row in enumerate(rows) for j, a in row), Decimal(0)) / k)
+    return coefficients
 
 
 def roots(polynomial: Sequence[Decimal], start: Sequence[complex]) -> tuple[list[Complex], bool]:
     """All roots of a polynomial by Aberth's iteration from initial values, and whether the iteration converged."""
     slope = derivative(polynomial)
     apart = [PERTURBATION * (k + 1) for k in range(len(start))]
-    found = [(Decimal(p.real + by), Decimal(p.imag + by / 3.0)) for p, by in zip(start, apart, strict=True)]
+    points = [(Decimal(p.real + by), Decimal(p.imag + by / 3.0)) for p, by in zip(start, apart, strict=True)]
     for _ in range(MOST_STEPS):
         largest = Decimal(0)
-        for i, p in enumerate(found):
+        for i, p in enumerate(points):
             at = value(polynomial, p)
             if not any(at):
                 continue
             # The step N/(N' - N sum 1/(p - p_j)): Newton's step for N divided by the factors of the other roots.
-            others = [(p[0] - q[0], p[1] - q[1]) for j, q in enumerate(found) if j != i]
+            others = [(p[0] - q[0], p[1] - q[1]) for j, q in enumerate(points) if j != i]
             if not all(map(any, others)):
-                return found, False
+                return points, False
             real, imag = (sum(part, Decimal(0)) for part in zip((Decimal(0),) * 2, *map(_inverse, others), strict=True))
             lean, pull = value(slope, p), _product(at, (real, imag))
             below = (lean[0] - pull[0], lean[1] - pull[1])
             if not any(below):
-                return found, False
+                return points, False
             step = quotient(at, below)
-            found[i] = (p[0] - step[0], p[1] - step[1])
+            points[i] = (p[0] - step[0], p[1] - step[1])
             largest = max(largest, modulus(step))
         if largest < CLOSE:
-            return found, True
-    return found, False
+            return points, True
+    return points, False
 
 
 def sparse(A: Floats) -> SparseRows:

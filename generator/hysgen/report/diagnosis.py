@@ -166,7 +166,10 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     if diagnosis.unknown:
         rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
     tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named")]
-    shown = [[one.name, "yes: named" if one.verdict == "named" else one.text()] for one in diagnosis.abilities]
+    shown = [
+        [ability.name, "yes: named" if ability.verdict == "named" else ability.text()]
+        for ability in diagnosis.abilities
+    ]
     tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell"))
     if diagnosis.refused:
         refused = [[item.name, item.why] for item in diagnosis.refused]

@@ -242,11 +242,11 @@ def cost_section(price: Cost | None, why_not: str = "") -> PageSection:
     )
 
 
-def uncertainty_section(found: Characterisation) -> PageSection:
+def uncertainty_section(uncertainty: Characterisation) -> PageSection:
     """Budget after the GUM with the model error by cause, quantities of a positioning axis, and errors removed."""
-    budget = found.budget
+    budget = uncertainty.budget
     head = ["contribution", "type", "standard uncertainty um", "degrees of freedom", "of the variance", "from"]
-    removed = [[name, f"{size_um:.3g}"] for name, size_um in found.removed]
+    removed = [[name, f"{size_um:.3g}"] for name, size_um in uncertainty.removed]
     tables = [
         PageTable(head, budget.rows(), f"Budget: {budget.measurand}", left=2, right=1),
     ]
@@ -267,7 +267,7 @@ def uncertainty_section(found: Characterisation) -> PageSection:
         ],
         tables=tables,
         notes=[
-            *(f"Not known: {name}." for name in found.missing),
+            *(f"Not known: {name}." for name in uncertainty.missing),
             "This page is a characterisation report, not a calibration certificate.",
         ],
     )

@@ -65,7 +65,9 @@ def diagnosis_text(study: Study) -> str:
     ]
     evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
-    evidence += [f"could show {one.name}: {one.text()}" for one in diagnosis.abilities if one.verdict != "named"]
+    evidence += [
+        f"could show {ability.name}: {ability.text()}" for ability in diagnosis.abilities if ability.verdict != "named"
+    ]
     if evidence:
         blocks.append("\n".join(evidence))
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]

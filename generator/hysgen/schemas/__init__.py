@@ -23,8 +23,8 @@ def text_of(name: str) -> str:
     `fit` writes a model, so its schema is that of the model file.
     """
     wanted = "model" if name == "fit" else name.removeprefix("hysgen-")
-    found = [each for each in names() if wanted in (each, each.rpartition("-")[0])]
-    if not found:
+    versions = [stored for stored in names() if wanted in (stored, stored.rpartition("-")[0])]
+    if not versions:
         raise HysgenError(f"{name}: no such schema; choose from {', '.join(names())}")
-    newest = max(found, key=lambda each: int(each.rpartition("-")[2]))
+    newest = max(versions, key=lambda stored: int(stored.rpartition("-")[2]))
     return (resources.files(__package__) / f"{newest}.json").read_text(encoding="utf-8")

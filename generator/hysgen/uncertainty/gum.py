@@ -159,10 +159,10 @@ def length_um(text: str) -> float:
 
     Raises HysgenError for another text.
     """
-    found = _LENGTH.fullmatch(text.strip())
-    if found is None or found[2] not in _UNITS_UM:
+    match = _LENGTH.fullmatch(text.strip())
+    if match is None or match[2] not in _UNITS_UM:
         raise HysgenError(f"'{text}' is not a length; write a number and one of {', '.join(_UNITS_UM)}, as 5nm")
-    return float(found[1]) * _UNITS_UM[found[2]]
+    return float(match[1]) * _UNITS_UM[match[2]]
 
 
 def sensor_uncertainty(text: str) -> SensorUncertainty:

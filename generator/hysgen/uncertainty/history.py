@@ -93,8 +93,9 @@ def trends(models: Sequence[tuple[str, Model]], limit: float = LIMIT_PERCENT) ->
     for _, model in models[1:]:
         require_same_structure(first, model)
     frequencies = loop_frequencies(first)
-    found = [physics(model, frequencies) for _, model in models]
+    properties = [physics(model, frequencies) for _, model in models]
     rows = tuple(
-        Trend(what, unit, tuple(each[place][2] for each in found)) for place, (what, unit, _) in enumerate(found[0])
+        Trend(what, unit, tuple(values[place][2] for values in properties))
+        for place, (what, unit, _) in enumerate(properties[0])
     )
     return History(tuple(name for name, _ in models), rows, limit)

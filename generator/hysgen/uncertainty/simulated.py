@@ -188,11 +188,11 @@ def _model_error(evidence: Evidence, power: float) -> list[Contribution]:
     about = dict.fromkeys(dict(parts), "still follows the action of its extension")
     parts += [(name, size_um**2) for name, size_um in evidence.left_um]
     about |= dict.fromkeys(dict(evidence.left_um), "named; its extension, not in the model, would remove it")
-    found = sum(part for _, part in parts)
-    scale = min(1.0, power / found) if found > 0.0 else 1.0
+    total = sum(part for _, part in parts)
+    scale = min(1.0, power / total) if total > 0.0 else 1.0
     source = f"held-out free run over {e.size} rows, less noise and repeatability"
     lines = [(f"model error, {name}", scale * part, about[name]) for name, part in parts]
-    rest = ("model error, rest" if lines else "model error", max(power - scale * found, 0.0), source)
+    rest = ("model error, rest" if lines else "model error", max(power - scale * total, 0.0), source)
     return [
         Contribution(name, math.sqrt(part), "A", text, freedom * part / power if part > 0.0 else freedom)
         for name, part, text in (*lines, rest)
@@ -253,20 +253,20 @@ def _actions(study: Study, rows: NDArray[np.intp]) -> tuple[tuple[str, NDArray[n
 
 def _left(study: Study) -> tuple[tuple[str, float], ...]:
     """(cause that is named and not in the model, error that its extension would remove beside the others)."""
-    found = []
+    contributions = []
     for cause in study.diagnosis.causes:
         if not cause.extended and cause.beside is not None:
             removed = max(cause.beside.before_um**2 - cause.beside.after_um**2, 0.0)
-            found.append((cause.name, math.sqrt(removed)))
-    return tuple(found)
+            contributions.append((cause.name, math.sqrt(removed)))
+    return tuple(contributions)
 
 
 def _removed(study: Study) -> tuple[tuple[str, float], ...]:
     """(cause, error in um that its extension removes): the root of the difference of the powers before and after."""
     before = study.diagnosis.base_rms_um
-    found: Sequence[tuple[str, float]] = []
+    contributions: Sequence[tuple[str, float]] = []
     for cause in study.extended:
         after = cause.step.after_um
-        found = [*found, (cause.name, math.sqrt(max(before**2 - after**2, 0.0)))]
+        contributions = [*contributions, (cause.name, math.sqrt(max(before**2 - after**2, 0.0)))]
         before = after
-    return tuple(found)
+    return tuple(contributions)

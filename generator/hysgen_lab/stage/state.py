@@ -31,8 +31,8 @@ OUT_OF_MEMORY = f"voltage: more than {TURNS} nested turning points; shorten the 
 def plant() -> native.Library:
     """The compiled plant. Raises BuildError where no C compiler is installed."""
     texts = [(name, resources.files(__package__).joinpath(name).read_text(encoding="utf-8")) for name in SOURCES]
-    kept = ("#define HYSGEN_STAGE", "#ifndef", "#endif")
-    header = "\n".join(line for line in texts[0][1].splitlines() if not line.startswith(kept))
+    directives = ("#define HYSGEN_STAGE", "#ifndef", "#endif")
+    header = "\n".join(line for line in texts[0][1].splitlines() if not line.startswith(directives))
     return native.build(texts, header, called=CALLED)
 
 
@@ -191,9 +191,9 @@ class StageState:
 
 def static_path(stage: Stage, u_V: Floats) -> Floats:
     """w(u) in um, (n,): the hysteresis alone along the path u_V (n,), after the stage's voltage history."""
-    library, kept = plant(), list[object]()
+    library, owned = plant(), list[object]()
     place = library.ffi.new("hysteresis_t *")
-    _fill_hysteresis(library, place[0], stage, kept)
+    _fill_hysteresis(library, place[0], stage, owned)
     path, w_um = np.ascontiguousarray(u_V, dtype=np.float64), np.empty(len(u_V))
     library.lib.hysteresis_path(place, len(path), _pointer(library, path), _pointer(library, w_um))
     if place.failed:
@@ -201,7 +201,7 @@ def static_path(stage: Stage, u_V: Floats) -> Floats:
     return w_um
 
 
-def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: list[object]) -> None:
+def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, owned: list[object]) -> None:
     """Set the constants of the hysteresis, its state after the voltage history, and the sensor's zero."""
     form = (stage.memory or straight(stage.stroke_um, stage.full_V)).form(stage.stroke_um, stage.full_V)
     place.kind = form.kind
@@ -209,10 +209,10 @@ def _fill_hysteresis(library: native.Library, place: Any, stage: Stage, kept: li
     for name, value in form.scalars.items():
         setattr(place, name, value)
     for name, array in form.arrays.items():
-        setattr(place, name, _kept_pointer(library, kept, array))
+        setattr(place, name, _kept_pointer(library, owned, array))
     place.capacity = TURNS
     if form.kind in (KIND_EVERETT, KIND_MESH):
-        place.turns = _kept_pointer(library, kept, np.empty((TURNS, 5)))
+        place.turns = _kept_pointer(library, owned, np.empty((TURNS, 5)))
     lib, here = library.lib, library.ffi.addressof(place)
     lib.hysteresis_clear(here)
     for u_V in (*stage.history_V, stage.zero_V):
@@ -229,7 +229,7 @@ def _pointer(library: native.Library, array: NDArray[Any]) -> object:
     return library.ffi.cast(kinds[array.dtype.kind], array.ctypes.data)
 
 
-def _kept_pointer(library: native.Library, kept: list[object], array: NDArray[Any]) -> object:
+def _kept_pointer(library: native.Library, owned: list[object], array: NDArray[Any]) -> object:
     copy = np.array(array, order="C")
-    kept.append(copy)
+    owned.append(copy)
     return _pointer(library, copy)

@@ -58,9 +58,9 @@ class Coverage:
 
 def coverage(stages: int, seed: int = 0) -> Coverage:
     """The coverage over stages with seeds from `seed` on."""
-    found = np.array([one_stage(seed + i) for i in range(stages)])
-    error = float(found[:, 0].std(ddof=1)) / math.sqrt(stages) if stages > 1 else math.nan
-    return Coverage(stages, float(found[:, 0].mean()), error, float(found[:, 1].mean()))
+    shares = np.array([one_stage(seed + i) for i in range(stages)])
+    error = float(shares[:, 0].std(ddof=1)) / math.sqrt(stages) if stages > 1 else math.nan
+    return Coverage(stages, float(shares[:, 0].mean()), error, float(shares[:, 1].mean()))
 
 
 def one_stage(seed: int) -> tuple[float, float]:

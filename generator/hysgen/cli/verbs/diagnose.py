@@ -73,9 +73,9 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     drift_um = length_um(arguments.drift_since) if arguments.drift_since else None
     study = diagnose(record, holdout, settings, console.progress)
     console.say(diagnosis_text(study) + "\n")
-    found = characterise(study, sensor, drift_um) if sensor else None
-    if found:
-        console.say("\n".join(found.lines()) + "\n")
+    budget = characterise(study, sensor, drift_um) if sensor else None
+    if budget:
+        console.say("\n".join(budget.lines()) + "\n")
     if arguments.output:
         save_model(scored_extension(study), Path(arguments.output))
         console.say(f"written: {arguments.output}")
@@ -85,9 +85,9 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.report:
         from hysgen.report.diagnosis import diagnosis_page
 
-        write_whole(Path(arguments.report), diagnosis_page(study, found, command=command_line()).html())
+        write_whole(Path(arguments.report), diagnosis_page(study, budget, command=command_line()).html())
         console.say(f"written: {arguments.report}")
-    return console.finish(study.to_json() | ({"uncertainty": found.to_json()} if found else {}))
+    return console.finish(study.to_json() | ({"uncertainty": budget.to_json()} if budget else {}))
 
 
 def write_pictures(study: Study, folder: Path, force: bool) -> list[Path]:

@@ -56,11 +56,11 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     answer = {"model": model.name, "target": arguments.to, "files": [str(path) for path in written]}
     if arguments.check is None:
         return console.finish(answer)
-    found = compare(model, arguments.to, folder, arguments.check, options, progress=console.progress)
-    for line in found:
+    compared = compare(model, arguments.to, folder, arguments.check, options, progress=console.progress)
+    for line in compared:
         console.say(str(line))
-    checked = [vars(line) for line in found]
-    return console.finish({**answer, "checked": checked}, not any(line.differ for line in found))
+    checked = [vars(line) for line in compared]
+    return console.finish({**answer, "checked": checked}, not any(line.differ for line in compared))
 
 
 VERBS = {"export": Verb(HELP, arguments, run)}

@@ -26,19 +26,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    found = history(Path(arguments.folder), arguments.limit)
+    moved = history(Path(arguments.folder), arguments.limit)
     heads = ["property", "unit", "first", "last", "largest change", ""]
-    console.say(table(heads, found.rows()))
-    first, last = found.files[0], found.files[-1]
-    console.say(f"{len(found.files)} models, {first} to {last}; drift at rest {found.drift_um:.3g} um")
+    console.say(table(heads, moved.rows()))
+    first, last = moved.files[0], moved.files[-1]
+    console.say(f"{len(moved.files)} models, {first} to {last}; drift at rest {moved.drift_um:.3g} um")
     if arguments.plot:
         from hysgen.report.plots import style
         from hysgen.report.plots.results import changes
 
-        console.say(f"written: {style.save(changes(found).figure, Path(arguments.plot))}")
-    exceeded = ", ".join(trend.what for trend in found.exceeded)
-    console.say(f"beyond {found.limit:g} %: {exceeded}" if exceeded else f"every change is within {found.limit:g} %")
-    return console.finish(found.to_json(), not found.exceeded)
+        console.say(f"written: {style.save(changes(moved).figure, Path(arguments.plot))}")
+    exceeded = ", ".join(trend.what for trend in moved.exceeded)
+    console.say(f"beyond {moved.limit:g} %: {exceeded}" if exceeded else f"every change is within {moved.limit:g} %")
+    return console.finish(moved.to_json(), not moved.exceeded)
 
 
 VERBS = {"history": Verb(HELP, arguments, run)}

@@ -30,12 +30,12 @@ def run_inspect(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console, echo=False)
     if arguments.rows:
         record = record.rows(*parse_rows(arguments.rows, record.samples, record.Ts_s))
-    found = inspect(record)
-    console.say(found.summary().text())
+    inspection = inspect(record)
+    console.say(inspection.summary().text())
     if arguments.plot:
         record.plot().save(Path(arguments.plot))
         console.say(f"written: {arguments.plot}")
-    return console.finish(found.to_json())
+    return console.finish(inspection.to_json())
 
 
 VERBS = {

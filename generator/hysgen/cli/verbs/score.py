@@ -71,12 +71,12 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
     beside = {name: score(other, record, arguments.settle) for name, other in others.items()}
     if beside:
         shown = {**beside, Path(arguments.model).stem: scores}
-        rows = [(f"{name}, free run", one.free_run) for name, one in shown.items()]
-        rows += [(f"{name}, {OWN}", one.own) for name, one in shown.items()]
-        rows += [(f"{name}, one step", one.one_step) for name, one in shown.items()]
+        rows = [(f"{name}, free run", errors.free_run) for name, errors in shown.items()]
+        rows += [(f"{name}, {OWN}", errors.own) for name, errors in shown.items()]
+        rows += [(f"{name}, one step", errors.one_step) for name, errors in shown.items()]
         console.say("\nbeside each other")
         console.say("\n".join(score_lines(rows)))
-        result["beside"] = {name: one.to_json() for name, one in beside.items()}
+        result["beside"] = {name: errors.to_json() for name, errors in beside.items()}
     if others_fitted:
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(list(others_fitted.items()))))

@@ -87,9 +87,9 @@ class Counts:
         return ", ".join(f"{number} {word}" for number, word in named if number)
 
 
-def worse(one: Counts, other: Counts) -> Counts:
+def worse(first: Counts, second: Counts) -> Counts:
     """The argument with the larger total."""
-    return one if one.total >= other.total else other
+    return first if first.total >= second.total else second
 
 
 _NOTHING = Counts()
@@ -216,14 +216,14 @@ class Program:
         inner = scope.inner()
         start = self._statement(node.init, inner)[0]
         index, passes = _passes(node, scope.indices)
-        each = self._expression(node.cond, inner)[0] + Counts(branch=1)
+        turn = self._expression(node.cond, inner)[0] + Counts(branch=1)
         step = self._expression(node.next, inner)[0]
         if _decides(index, node.stmt):
             bodies = [
                 self._statement(node.stmt, Scope(inner.names, {**inner.indices, index: value}))[0] for value in passes
             ]
-            return start + each + (each + step).times(len(passes)) + sum(bodies, _NOTHING)
-        return start + each + (each + self._statement(node.stmt, inner)[0] + step).times(len(passes))
+            return start + turn + (turn + step).times(len(passes)) + sum(bodies, _NOTHING)
+        return start + turn + (turn + self._statement(node.stmt, inner)[0] + step).times(len(passes))
 
     def _switch(self, node: c_ast.Switch, scope: Scope) -> Counts:
         """Operations of the most expensive case; every case of generated C ends in a break or return."""
@@ -257,10 +257,10 @@ class Program:
                 return cost + Counts(convert=int(changes and not void)), Value(kind, value.in_memory)
             case c_ast.TernaryOp():
                 condition = self._expression(node.cond, scope)[0]
-                (one, value), (other, _) = (self._expression(side, scope) for side in (node.iftrue, node.iffalse))
+                (true, value), (false, _) = (self._expression(side, scope) for side in (node.iftrue, node.iffalse))
                 # A choice between two values without operations compiles to a conditional move, not to a branch.
-                chosen = _INTEGER if one.total == other.total == 0 else Counts(branch=1)
-                return condition + chosen + worse(one, other), value
+                chosen = _INTEGER if true.total == false.total == 0 else Counts(branch=1)
+                return condition + chosen + worse(true, false), value
             case c_ast.InitList():
                 parts = [self._expression(part, scope)[0] for part in node.exprs]
                 return sum(parts, _NOTHING), Value(INTEGER)
@@ -358,11 +358,11 @@ def _enumerators(node: c_ast.Typedef) -> list[str]:
     return [constant.name for constant in kind.values.enumerators] if isinstance(kind, c_ast.Enum) else []
 
 
-def _moved(place: Value, one: Counts) -> Counts:
+def _moved(place: Value, counts: Counts) -> Counts:
     """Loads or stores (`one` each) of the value at `place`: one per word; none for registers, addresses and arrays."""
     if not place.in_memory or isinstance(place.type, Pointer | Array):
         return _NOTHING
-    return one.times(words(place.type))
+    return counts.times(words(place.type))
 
 
 def _passes(node: c_ast.For, indices: Mapping[str, int]) -> tuple[str, range]:

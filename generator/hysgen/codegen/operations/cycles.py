@@ -67,8 +67,10 @@ class Cycles:
 def estimated(counts: Counts, function: str = "predict", weights: Weights = C674X) -> Cycles:
     """The estimate for a call of `function`, named without the model's prefix."""
     if function in weights.unrolled:
-        fixed, each = weights.unrolled[function]
-        return Cycles(round(fixed + each * (counts.add + counts.multiply + counts.load + counts.store)), measured=False)
+        fixed, per_turn = weights.unrolled[function]
+        return Cycles(
+            round(fixed + per_turn * (counts.add + counts.multiply + counts.load + counts.store)), measured=False
+        )
     straight = counts.total - counts.branch
     cycles = weights.latency + weights.per_operation * straight + weights.per_branch * counts.branch
     return Cycles(round(cycles), measured=False)

@@ -45,13 +45,13 @@ def parsed(text: str, name: str) -> c_ast.FileAST:
 def preprocessed(text: str, macros: dict[str, str]) -> str:
     """`text` without comments and directives, macros replaced; adds the macros that `text` defines to `macros`."""
     text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL).replace("\\\n", " ")
-    kept: list[str] = []
+    lines_of_code: list[str] = []
     open_branches: list[bool] = []
     for line in text.splitlines():
         directive = _DIRECTIVE.fullmatch(line)
         if directive is None:
             if all(open_branches):
-                kept.append(_replaced(line, macros))
+                lines_of_code.append(_replaced(line, macros))
             continue
         word, rest = directive[1], directive[2].strip()
         if word in ("if", "ifdef", "ifndef"):
@@ -64,7 +64,7 @@ def preprocessed(text: str, macros: dict[str, str]) -> str:
             _define(rest, macros)
         elif word not in ("include", "error", "pragma", "define", "undef"):
             raise HysgenError(f"#{word}: generated C does not use this directive; only generated files can be counted")
-    return "\n".join(kept) + "\n"
+    return "\n".join(lines_of_code) + "\n"
 
 
 def _define(rest: str, macros: dict[str, str]) -> None:

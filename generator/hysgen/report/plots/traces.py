@@ -121,11 +121,11 @@ def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, F
     if values.size <= 2 * pieces:
         return t_s, values
     bounds = np.linspace(0, values.size, pieces + 1).astype(np.intp)
-    kept = []
+    rows = []
     for low, high in itertools.pairwise(bounds):
         part = values[low:high]
-        kept += sorted({low + int(part.argmin()), low + int(part.argmax())})
-    return t_s[kept], values[kept]
+        rows += sorted({low + int(part.argmin()), low + int(part.argmax())})
+    return t_s[rows], values[rows]
 
 
 def thinned(samples: int) -> slice:
@@ -187,7 +187,7 @@ def loops_picture(study: Study) -> Picture:
 def spectra_picture(study: Study) -> Picture:
     """Amplitude density of voltage and displacement by frequency."""
     fig, axis = style.axes("frequency [Hz]", "amplitude density / its maximum")
-    longest = max(study.record.segments, key=lambda one: one.samples)
+    longest = max(study.record.segments, key=lambda segment: segment.samples)
     tops = []
     for name, values, colour in (
         ("voltage", longest.u_V, style.BASELINE),
@@ -214,8 +214,10 @@ def spectra(Ts_s: float, *series: Floats) -> tuple[Floats, tuple[Floats, ...]]:
     window = np.hanning(min(length, n))
     starts = range(0, n - window.size + 1, max(1, window.size // 2))
     parts = [
-        np.fft.rfft(np.stack([(one[a : a + window.size] - one[a : a + window.size].mean()) * window for a in starts]))
-        for one in series
+        np.fft.rfft(
+            np.stack([(values[a : a + window.size] - values[a : a + window.size].mean()) * window for a in starts])
+        )
+        for values in series
     ]
     powers = [np.mean(np.abs(part) ** 2, axis=0) for part in parts]
     if len(parts) == 2:

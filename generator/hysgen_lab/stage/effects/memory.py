@@ -131,10 +131,10 @@ class Relays(Hysteresis):
         up, down = np.meshgrid(centres, centres, indexing="ij")
         area = np.where(up > down, cell**2, np.where(up == down, cell**2 / 2, 0.0))
         weight = self.density.on(up) * self.density.off(down) * area
-        kept = area > 0
+        positive = area > 0
         # Cells on the diagonal are triangles, alpha > beta: the centroid is a sixth of a cell off the cell's centre.
         shift = np.where(up == down, cell / 6, 0.0)
-        up_V, down_V, weight = (up + shift)[kept], (down - shift)[kept], weight[kept]
+        up_V, down_V, weight = (up + shift)[positive], (down - shift)[positive], weight[positive]
         weight *= self.irreversible * stroke_um / weight[(up_V <= full_V) & (down_V > 0.0)].sum()
         order = np.argsort(up_V, kind="stable")
         up_V, down_V, weight = up_V[order], down_V[order], weight[order]

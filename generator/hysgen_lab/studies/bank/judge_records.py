@@ -47,10 +47,10 @@ def run(
     work = [(family, category, seed) for seed in seeds for category in categories for family in families]
     known = {} if log is None else {(v.family, v.category, v.seed): v for v in read_log(log)}
     done = {key: known[key] for key in work if key in known}
-    kept = JudgementLog(log)
+    judgements = JudgementLog(log)
     with contextlib.suppress(KeyboardInterrupt):
         for judgement in _judged([key for key in work if key not in done], jobs):
-            kept.add(judgement)
+            judgements.add(judgement)
             done[judgement.family, judgement.category, judgement.seed] = judgement
             if progress is not None:
                 progress(len(done) / len(work), judgement)

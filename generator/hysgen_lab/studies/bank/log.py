@@ -28,7 +28,7 @@ FORM = 1
 def sources_digest() -> str:
     """SHA-256 over the names and texts of the Python and C files of product and laboratory."""
     packages = ("hysgen", __package__.partition(".")[0])
-    files = sorted(found for package in packages for found in _sources(resources.files(package), f"{package}/"))
+    files = sorted(file for package in packages for file in _sources(resources.files(package), f"{package}/"))
     return digest("".join(f"{name} {digest(text)}\n" for name, text in files).encode())
 
 
@@ -71,9 +71,9 @@ class JudgementLog:
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("a+b") as stream:
                 stream.seek(0)
-                kept = stream.read().rpartition(b"\n")
-                stream.truncate(len(kept[0]) + len(kept[1]))
-            if not kept[1]:
+                whole = stream.read().rpartition(b"\n")
+                stream.truncate(len(whole[0]) + len(whole[1]))
+            if not whole[1]:
                 self._append({"hysgen bank": FORM, "sources": sources_digest()})
         except OSError as fault:
             raise HysgenError(f"{path}: cannot be written ({fault.strerror}); choose another file") from fault

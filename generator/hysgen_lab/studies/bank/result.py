@@ -88,7 +88,7 @@ class BankResult:
     def families(self) -> dict[str, BankResult]:
         """The judgements of each family of hysteresis; empty if all are of one family."""
         names = list(dict.fromkeys(judgement.family for judgement in self.judgements))
-        parts = {name: tuple(one for one in self.judgements if one.family == name) for name in names}
+        parts = {name: tuple(judgement for judgement in self.judgements if judgement.family == name) for name in names}
         return {name: BankResult(part, self.seeds, len(part)) for name, part in parts.items()} if len(names) > 1 else {}
 
     def quiet(self) -> list[Judgement]:
@@ -158,7 +158,7 @@ class BankResult:
         ]
         classes = []
         for low, high in itertools.pairwise(CONFIDENCES):
-            inside = [there for confidence, there in named if low <= confidence < high or confidence == high == 1.0]
+            inside = [planted for confidence, planted in named if low <= confidence < high or confidence == high == 1.0]
             classes.append((low, len(inside), sum(inside)))
         return classes
 
@@ -184,7 +184,9 @@ class BankResult:
             "parameter_errors": {
                 key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
             },
-            "calibration": [{"from": low, "named": named, "there": there} for low, named, there in self.calibration()],
+            "calibration": [
+                {"from": low, "named": named, "there": planted} for low, named, planted in self.calibration()
+            ],
             "falls_by_memory": self.falls(),
             "over_truth": self.over_truth(),
             "wrong": [
@@ -232,7 +234,9 @@ class BankResult:
         lines.append("parameters, median and largest error:")
         lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
         lines.append("named with a confidence from .. on, and there:")
-        lines.extend(f"  {100 * low:5.1f} %{there:5} of {named}" for low, named, there in self.calibration() if named)
+        lines.extend(
+            f"  {100 * low:5.1f} %{planted:5} of {named}" for low, named, planted in self.calibration() if named
+        )
         if falls := self.falls():
             at = np.quantile(falls, [0.0, 0.1, 0.5, 1.0])
             lines.append(
