@@ -1,7 +1,7 @@
 /* board.h: what the firmware asks of a board. One folder of firmware/board/ per board implements it.
  *
  * board_t is the board's own struct, defined in its board_type.h; main owns the only instance.
- * Called in the 50 kHz interrupt: the first nine. Called in the idle loop: the others. */
+ * Called in the 50 kHz interrupt: the first ten. Called at boot: the eleventh. Called in the idle loop: the others. */
 
 #ifndef BOARD_H
 #define BOARD_H
@@ -11,7 +11,7 @@
 #include "board_type.h"
 
 #define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
-#define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not switched on */
+#define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not on (yet) */
 
 #define BOARD_SLOTS       2u
 #define BOARD_SLOT_BYTES  4096u
@@ -39,11 +39,17 @@ uint32_t hysgen_board_overrun(board_t *board);
  * interrupt of its own, which would delay the next voltage. */
 void hysgen_board_line_serve(board_t *board);
 
-/* Amplifier: 1 switched on, 0 off. */
+/* Amplifier: 1 switched on, 0 off. Off from reset on; switched on between START and OFF only. */
 void hysgen_board_amplifier_enable(board_t *board, uint32_t on);
 
 /* Restart the hardware watchdog: firmware is alive. */
 void hysgen_board_alive(board_t *board);
+
+/* Two words of memory that a reset under power and start-up leave alone. */
+uint32_t *hysgen_board_kept(board_t *board);
+
+/* 1 if the power came on, 0 if the processor started again under power. */
+uint32_t hysgen_board_power_on(board_t *board);
 
 /* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
 uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room);

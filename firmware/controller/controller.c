@@ -20,9 +20,9 @@ static float controller_towards(float from, float target, float step)
     return from + ((way < 0.0f) ? -step : step);
 }
 
-static uint32_t controller_moves(controller_state_t state)
+uint32_t hysgen_controller_drives(const controller_t *self)
 {
-    return (uint32_t)((state != CONTROLLER_OFF) && (state != CONTROLLER_TRIP) && (state != CONTROLLER_TRIPPED));
+    return (uint32_t)((self->state != CONTROLLER_OFF) && (self->state != CONTROLLER_TRIPPED));
 }
 
 void hysgen_controller_init(controller_t *self, const settings_t *settings)
@@ -36,6 +36,8 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings)
     self->learns = 0u;
     self->begun = 0u;
     self->status = 0u;
+    self->first = 0u;
+    self->powered = 0u;
     self->upward = 1u;
     self->waited = 0u;
     self->held = 0u;
@@ -95,9 +97,10 @@ static void controller_take_request(controller_t *self)
     self->request = CONTROLLER_NO_REQUEST;
     if ((request == CONTROLLER_START) && (self->state == CONTROLLER_OFF)) {
         self->begun = 0u;
-        self->state = CONTROLLER_RISE;
+        self->powered = 0u;
+        self->state = CONTROLLER_POWER;
     }
-    if ((request == CONTROLLER_STOP) && (controller_moves(self->state) != 0u)) {
+    if ((request == CONTROLLER_STOP) && (hysgen_controller_drives(self) != 0u) && (self->state != CONTROLLER_TRIP)) {
         self->state = CONTROLLER_FALL;
     }
     if (request == CONTROLLER_CLEAR) {
@@ -105,7 +108,8 @@ static void controller_take_request(controller_t *self)
          * only where the output rests: a sensor that repeats its reading must not pass because of a CLEAR on the way. */
         self->status &= STATUS_LASTING;
         self->clears += 1u;
-        if ((self->state == CONTROLLER_OFF) || (self->state == CONTROLLER_TRIPPED)) {
+        if (hysgen_controller_drives(self) == 0u) {
+            self->first = 0u;
             hysgen_watchdog_init(&self->watchdog, self->settings);
         }
         if ((self->state == CONTROLLER_TRIPPED) && (self->status == 0u)) {
@@ -236,6 +240,11 @@ static float controller_voltage(controller_t *self, float reference_um)
     float next_um;
 
     switch (self->state) {
+    case CONTROLLER_POWER:
+        if (self->powered >= settings->power_samples) {
+            self->state = CONTROLLER_RISE;
+        }
+        break;
     case CONTROLLER_RISE:
         u_V = controller_towards(self->output_V, settings->loop_low_V, settings->ramp_V);
         if (u_V == settings->loop_low_V) {
@@ -306,10 +315,37 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
     } else if (state == CONTROLLER_TRIP) {
         self->status |= STATUS_FAULT_TIMEOUT;
         self->state = CONTROLLER_TRIPPED;
-    } else if ((state != CONTROLLER_OFF) && (state != CONTROLLER_TRACK) && (state != CONTROLLER_TRIPPED)) {
+    } else if ((hysgen_controller_drives(self) != 0u) && (state != CONTROLLER_TRACK)) {
         self->status |= STATUS_FAULT_TIMEOUT;
     } else {
         /* A state that may last. */
+    }
+}
+
+/* BOARD_AMPLIFIER_ bits of this sample: of no meaning while the amplifier is off, and waited for in POWER. */
+static void controller_watch_amplifier(controller_t *self, uint32_t amplifier)
+{
+    if (self->state == CONTROLLER_POWER) {
+        self->powered = (amplifier == 0u) ? self->powered + 1u : 0u;
+    } else if (hysgen_controller_drives(self) != 0u) {
+        self->status |= hysgen_watchdog_amplifier(&self->watchdog, self->settings, amplifier);
+    } else {
+        /* Off. */
+    }
+}
+
+/* A fault brings the voltage down, or, where the voltage is down already, switches off at once. */
+static void controller_trip(controller_t *self)
+{
+    const uint32_t faults = self->status & STATUS_FAULTS;
+
+    if (faults != 0u) {
+        self->first = (self->first == 0u) ? faults : self->first;
+        if ((hysgen_controller_drives(self) == 0u) || (self->state == CONTROLLER_POWER)) {
+            self->state = CONTROLLER_TRIPPED;
+        } else {
+            self->state = CONTROLLER_TRIP;
+        }
     }
 }
 
@@ -323,7 +359,7 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     self->samples += 1u;
     self->learns = 0u;
     if ((self->status & STATUS_FAULT_SETTINGS) != 0u) {
-        self->state = CONTROLLER_TRIPPED;
+        controller_trip(self);
         return self->output_V;
     }
     before = self->state;
@@ -331,10 +367,8 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
         controller_take_request(self);
     }
     self->status |= hysgen_watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
-    self->status |= hysgen_watchdog_amplifier(&self->watchdog, settings, amplifier);
-    if (((self->status & STATUS_FAULTS) != 0u) && (self->state != CONTROLLER_TRIPPED)) {
-        self->state = CONTROLLER_TRIP;
-    }
+    controller_watch_amplifier(self, amplifier);
+    controller_trip(self);
     state_V = controller_voltage(self, reference_um);
     controller_limit_time(self, before);
     /* Each state keeps to the limits by itself, so that model and output get the same voltage. These lines hold for any

@@ -1,11 +1,12 @@
 /* controller.h: from reading and reference to voltage, once per sample: feed-forward through the model's inverse, with
  * safe start and stop around it.
  *
- *     OFF -> RISE -> LOOP -> HOLD -> APPROACH -> TRACK        start
- *     any of these but OFF -> FALL -> OFF                     stop
- *     any of them -> TRIP -> TRIPPED -> OFF                   fault; back to OFF by `clear` only
+ *     OFF -> POWER -> RISE -> LOOP -> HOLD -> APPROACH -> TRACK   start
+ *     any of these but OFF -> FALL -> OFF                          stop
+ *     any of them -> TRIP -> TRIPPED -> OFF                        fault; back to OFF by `clear` only
  *
- * RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of
+ * The amplifier is on from POWER to OFF or TRIPPED, and a fault in OFF or POWER leads to TRIPPED without TRIP. POWER waits until the
+ * amplifier has been good for power_samples in a row; only behind it is a failure of the amplifier a fault. RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of
  * model and stage no longer depends on earlier voltages, and the stage must move as far on the way back as the model does, within stroke_um and within half
  * of the model's stroke.
  * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, and earlier
@@ -25,14 +26,15 @@
 
 typedef enum {
     CONTROLLER_OFF = 0,
-    CONTROLLER_RISE = 1,
-    CONTROLLER_LOOP = 2,
-    CONTROLLER_HOLD = 3,
-    CONTROLLER_APPROACH = 4,
-    CONTROLLER_TRACK = 5,
-    CONTROLLER_FALL = 6,
-    CONTROLLER_TRIP = 7,
-    CONTROLLER_TRIPPED = 8
+    CONTROLLER_POWER = 1,
+    CONTROLLER_RISE = 2,
+    CONTROLLER_LOOP = 3,
+    CONTROLLER_HOLD = 4,
+    CONTROLLER_APPROACH = 5,
+    CONTROLLER_TRACK = 6,
+    CONTROLLER_FALL = 7,
+    CONTROLLER_TRIP = 8,
+    CONTROLLER_TRIPPED = 9
 } controller_state_t;
 
 /* What the caller may ask for; taken at the next sample, START not before parameters being installed are in place. */
@@ -48,6 +50,7 @@ typedef struct {
     /* Shared by interrupt and idle loop. Idle writes `request`, `committing` and `installing` only. */
     volatile controller_state_t state;
     volatile uint32_t status;       /* STATUS_ bits, sticky until CLEAR */
+    volatile uint32_t first;        /* STATUS_FAULT_ bits of the first sample that had any, until CLEAR at rest */
     volatile uint32_t samples;      /* since init; wraps */
     volatile uint32_t clears;       /* CLEARs that were taken; wraps */
     volatile uint32_t request;
@@ -58,6 +61,7 @@ typedef struct {
     uint32_t begun;          /* the model drives with its own bank since the last START */
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t waited;         /* samples in the present state */
+    uint32_t powered;        /* POWER: samples in a row in which the amplifier was good */
     uint32_t held;           /* samples in HOLD */
     float top_um;            /* LOOP: reading at its highest voltage, */
     float top_model_um;      /* and displacement of the model there */
@@ -77,6 +81,9 @@ typedef struct {
 
 /* Off, with the parameters that the firmware was built with. */
 void hysgen_controller_init(controller_t *self, const settings_t *settings);
+
+/* 1 if the amplifier is to be on. */
+uint32_t hysgen_controller_drives(const controller_t *self);
 
 /* One sample.
  *

@@ -7,6 +7,17 @@
 #include "model.h"
 #include "number.h"
 
+/* Kept over a reset: the first fault, and the same word with these bits turned. */
+#define FIRMWARE_KEPT 0x5AFE0FFFu
+
+static void firmware_keep(board_t *board, uint32_t fault)
+{
+    uint32_t *kept = hysgen_board_kept(board);
+
+    kept[0] = fault;
+    kept[1] = fault ^ FIRMWARE_KEPT;
+}
+
 void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
     self->received = 0u;
@@ -28,6 +39,12 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     hysgen_link_init(&self->link);
     hysgen_controller_init(&self->controller, settings);
     self->settings_wrong = hysgen_settings_check(settings);
+    if (hysgen_board_power_on(board) == 0u) {
+        const uint32_t *kept = hysgen_board_kept(board);
+
+        self->controller.status |= STATUS_FAULT_RESET;
+        self->controller.first = (kept[1] == (kept[0] ^ FIRMWARE_KEPT)) ? kept[0] : 0u;
+    }
     if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
     }
@@ -53,7 +70,8 @@ void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
     hysgen_board_voltage(board, hysgen_controller_step(&self->controller, y_um, reference_um, amplifier));
     hysgen_controller_learn(&self->controller);
     hysgen_board_line_serve(board);
-    hysgen_board_amplifier_enable(board, (uint32_t)(self->controller.state != CONTROLLER_TRIPPED));
+    hysgen_board_amplifier_enable(board, hysgen_controller_drives(&self->controller));
+    firmware_keep(board, self->controller.first);
     /* The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
     if (self->controller.samples - self->ticked < self->controller.settings->state_samples) {
         hysgen_board_alive(board);
@@ -74,6 +92,7 @@ void hysgen_firmware_panic(const firmware_t *self, board_t *board)
 
     hysgen_board_voltage(board, (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f);
     hysgen_board_amplifier_enable(board, 0u);
+    firmware_keep(board, self->controller.first | STATUS_FAULT_EXCEPTION);
 }
 
 static void firmware_answer_status(firmware_t *self)
@@ -83,6 +102,7 @@ static void firmware_answer_status(firmware_t *self)
 
     hysgen_link_add(link, (uint32_t)controller->state);
     hysgen_link_add(link, hysgen_firmware_status(self));
+    hysgen_link_add(link, controller->first);
     hysgen_link_add(link, controller->samples);
     hysgen_link_add(link, number_bits(controller->watchdog.reading_um));
     hysgen_link_add(link, number_bits(controller->output_V));

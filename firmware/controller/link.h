@@ -10,7 +10,7 @@
 
 #include "frame.h"
 
-#define LINK_VERSION    1u
+#define LINK_VERSION    2u
 #define LINK_STATUS     1u  /* no data; answer: LINK_STATUS_WORDS words, see firmware.c */
 #define LINK_REQUEST    2u  /* one byte: CONTROLLER_START, _STOP or _CLEAR */
 #define LINK_REFERENCE  3u  /* a word: reference [um] from now on, in place of the board's; none: the board's again */
@@ -24,7 +24,7 @@
 #define LINK_VALUE      3u  /* data out of range or order */
 
 #define LINK_CHUNK           64u
-#define LINK_STATUS_WORDS    18u
+#define LINK_STATUS_WORDS    19u
 #define LINK_IDENTITY_WORDS  18u
 
 typedef struct {

@@ -55,6 +55,7 @@ const char *hysgen_settings_check(const settings_t *settings)
     } counts[] = {
         { "options", s->options, 0u, SETTINGS_TRIM | SETTINGS_LEARN | SETTINGS_KEEP },
         { "state_samples", s->state_samples, 1u, UINT32_MAX },
+        { "power_samples", s->power_samples, 1u, s->state_samples - 1u },
         { "hold_samples", s->hold_samples, 1u, s->state_samples - 1u },
         { "stuck_samples", s->stuck_samples, 1u, UINT32_MAX },
         { "follow_samples", s->follow_samples, 1u, UINT32_MAX },

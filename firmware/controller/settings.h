@@ -22,7 +22,9 @@ typedef struct {
     float ramp_V;   /* change per sample of start and stop */
     float fall_V;   /* change per sample on the way down after a fault */
 
-    /* Start: the loop from low over high to middle that sets the hysteresis, inside the model's range; hold_samples of
+    /* Start: samples in a row in which the amplifier, switched on, tells no limit and no failure until the stage moves; */
+    uint32_t power_samples;
+    /* the loop from low over high to middle that sets the hysteresis, inside the model's range; hold_samples of
      * rest, in which the offset between stage and model is taken; then the way to the reference. */
     float loop_low_V;
     float loop_high_V;
@@ -33,7 +35,7 @@ typedef struct {
     float offset_um;         /* largest offset of the stage from the model, either way */
     float approach_um;  /* change of the reference per sample until it is caught */
 
-    /* Longest time in RISE, LOOP, HOLD, APPROACH, FALL or TRIP, each. */
+    /* Longest time in POWER, RISE, LOOP, HOLD, APPROACH, FALL or TRIP, each. */
     uint32_t state_samples;
 
     /* Reference. */

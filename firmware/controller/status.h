@@ -30,7 +30,9 @@
 #define STATUS_FAULT_STROKE         0x00800000u  /* the stage did not move through the loop as the model did */
 #define STATUS_FAULT_SETTINGS       0x01000000u  /* hysgen_settings_check found an impossible field; the output never moves */
 #define STATUS_FAULT_TIMEOUT        0x02000000u  /* a state took longer than state_samples */
-#define STATUS_FAULTS               0x03FF0000u
+#define STATUS_FAULT_RESET          0x04000000u  /* the processor started again without a loss of power: watchdog, or reset pin */
+#define STATUS_FAULT_EXCEPTION      0x08000000u  /* an exception or NMI stopped the firmware before that */
+#define STATUS_FAULTS               0x0FFF0000u
 #define STATUS_LASTING              (STATUS_FAULT_SELFTEST | STATUS_FAULT_SETTINGS)  /* CLEAR does not clear these */
 
 #endif

@@ -36,6 +36,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
     self->same = 0u;
     watchdog_restart(&self->astray);
     watchdog_restart(&self->limits);
+    watchdog_restart(&self->failed);
     watchdog_restart(&self->late);
 }
 
@@ -75,9 +76,10 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
 {
     const uint32_t limits = (uint32_t)((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u);
     const uint32_t lasts = watchdog_count(&self->limits, limits, settings->bad_samples);
+    const uint32_t failed = watchdog_count(&self->failed, amplifier & BOARD_AMPLIFIER_FAILED, WATCHDOG_DEBOUNCE);
     uint32_t status = limits * STATUS_AMPLIFIER_LIMITS;
 
-    if ((lasts != 0u) || ((amplifier & BOARD_AMPLIFIER_FAILED) != 0u)) {
+    if ((lasts | failed) != 0u) {
         status |= STATUS_FAULT_AMPLIFIER;
     }
     return status;

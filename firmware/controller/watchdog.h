@@ -12,6 +12,9 @@
  * ones (1.1 ms): sparse noise never adds up, and trim and learner have at least 8 of 9 readings. */
 #define WATCHDOG_LEAK 8u
 
+/* Bad samples of the amplifier's failure until it counts: 60 us of a broken wire, not a spike on it. */
+#define WATCHDOG_DEBOUNCE 3u
+
 typedef struct {
     uint32_t bad;            /* the count */
     uint32_t good;           /* good samples since it last fell */
@@ -25,6 +28,7 @@ typedef struct {
     uint32_t same;           /* and samples since then */
     watchdog_count_t astray; /* samples in which the stage did not follow */
     watchdog_count_t limits; /* samples with the amplifier at its limit */
+    watchdog_count_t failed; /* samples with the amplifier failed */
     watchdog_count_t late;   /* interrupts that took too long */
 } watchdog_t;
 

@@ -206,7 +206,7 @@ def as_settings(settings: Any) -> dict[str, float]:
 
 SHORT_WAYS = Settings(
     trim=True, learn=True, step_V=2.0, ramp_V=0.5, fall_V=0.5, loop_low_V=24.0, loop_high_V=54.0, hold_samples=64,
-    offset_smoothing=0.125, approach_um=0.01, reference_step_um=0.05, follow_um=100.0, commit_pause=1,
+    offset_smoothing=0.125, approach_um=0.01, reference_step_um=0.05, follow_um=100.0, commit_pause=1, power_samples=16,
 )  # fmt: skip
 
 
@@ -255,7 +255,7 @@ def test_the_simulators_board_gives_the_bits_of_the_hosts() -> None:
         state = lib.hysgen_simulated_state()
         assert (state & 0xFF, state >> 8) == (host.state, host.firmware.commits)
         states.add(host.state)
-    assert states == {State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK}
+    assert states == {State.POWER, State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK}
     assert (lib.amplifier(), host.board.enabled, host.firmware.commits > 0) == (1, 1, True)
 
 

@@ -22,7 +22,7 @@ from hysgen.firmware.wire import ANSWER, CHUNK, CODES, Command, Identity, LinkSt
 from hysgen.float32.coefficients import Bank
 from hysgen.model.file import dump_model
 
-WORDS = (5, 0x13, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7)
+WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7)
 
 
 def status(**fields: int) -> bytes:
@@ -30,7 +30,7 @@ def status(**fields: int) -> bytes:
     words = list(WORDS)
     for name, value in fields.items():
         words[names.index(name)] = value
-    return struct.pack("<18I", *words)
+    return struct.pack("<19I", *words)
 
 
 class Scripted:
@@ -67,7 +67,7 @@ def test_commands_carry_their_data_and_numbers_that_wrap() -> None:
         asking.request(Request.STOP)
         asking.reference(2.5)
         asking.reference(None)
-        assert asking.status() == LinkStatus(5, 0x13, 77, 0.0, 0.0, 0.0, 0.0, *WORDS[7:])
+        assert asking.status() == LinkStatus(5, 0x13, 0x40000, 77, 0.0, 0.0, 0.0, 0.0, *WORDS[8:])
         for _ in range(252):
             asking.status()
     assert line.asked[:3] == [(2, 1, b"\x02"), (3, 2, struct.pack("<f", 2.5)), (3, 3, b"")]
@@ -119,16 +119,16 @@ def test_answers_to_another_command_and_noise_are_passed_over() -> None:
 
 
 def test_the_identity_of_another_version_is_refused() -> None:
-    for protocol in (1, 2):
+    for protocol in (2, 1):
         words = struct.pack("<6IQI5I4f", protocol, 1, 2, 3, 4, 5, 6, 1, 20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0)
         asking, _ = client(lambda *_, words=words: b"\0" + words + b"stage")
-        if protocol == 1:
+        if protocol == 2:
             found = asking.identity()
-            expected = Identity(1, (1, 2, 3, 4), 5, 6, True, 20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, "stage")
+            expected = Identity(2, (1, 2, 3, 4), 5, 6, True, 20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, "stage")
             assert found == expected
             assert to_json(found) == vars(expected)
         else:
-            with pytest.raises(HysgenError, match="version 2 of the link, this hysgen 1"):
+            with pytest.raises(HysgenError, match="version 1 of the link, this hysgen 2"):
                 asking.identity()
 
 
@@ -180,7 +180,7 @@ def test_an_image_is_waited_for_ten_seconds(state: State, words: str, monkeypatc
 
 def test_a_models_image_is_labelled_as_the_firmware_tells() -> None:
     parts: list[bytes] = []
-    words = struct.pack("<6IQI5I4f", 1, 1, 2, 3, 4, 55, 1 << 40, 1, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0)
+    words = struct.pack("<6IQI5I4f", link.PROTOCOL, 1, 2, 3, 4, 55, 1 << 40, 1, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0)
 
     def reply(kind: int, number: int, data: bytes) -> bytes:
         parts.append(data[4:] if kind == Command.IMAGE else b"")

@@ -172,8 +172,9 @@ def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> 
 
 
 TRANSITIONS = {
-    (State.OFF, Request.START): State.RISE,
+    (State.OFF, Request.START): State.POWER,
     (State.OFF, Request.STOP): State.OFF,
+    (State.POWER, Request.STOP): State.OFF,
     (State.RISE, Request.STOP): State.FALL,
     (State.LOOP, Request.STOP): State.FALL,
     (State.HOLD, Request.STOP): State.FALL,
@@ -200,7 +201,7 @@ def reached(state: State) -> HostFirmware:
         if state is State.FALL:
             firmware.request(Request.STOP)
         else:
-            firmware.fail(BoardFault.AMPLIFIER, samples=1)
+            firmware.fail(BoardFault.AMPLIFIER, samples=3)
     for _ in range(10_000):
         firmware.run(np.full(1, REFERENCE_UM))
         if firmware.state is state:
@@ -220,17 +221,17 @@ def test_every_state_answers_every_request_as_the_table_says(before: State, aske
 @pytest.mark.parametrize("before", [state for state in State if state not in (State.TRIP, State.TRIPPED)])
 def test_a_fault_trips_every_state(before: State) -> None:
     firmware = reached(before)
-    firmware.fail(BoardFault.AMPLIFIER, samples=1)
-    firmware.run(np.full(2, REFERENCE_UM))
+    firmware.fail(BoardFault.OVERRUN)
+    firmware.run(np.full(SETTINGS.bad_samples + 1, REFERENCE_UM))
     assert firmware.state in (State.TRIP, State.TRIPPED)
-    assert FirmwareStatus.FAULT_AMPLIFIER in firmware.status
+    assert FirmwareStatus.FAULT_DEADLINE in firmware.status
 
 
 def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
     firmware = booted(SETTINGS)
     up = firmware.start(REFERENCE_UM)
     visited = [State(int(up.state[0])), *(State(int(s)) for s in up.state[1:][np.diff(up.state) != 0])]
-    assert visited == [State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK]
+    assert visited == [State.POWER, State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK]
     ramped = np.isin(up.state, (State.RISE, State.LOOP, State.HOLD))
     steps = np.abs(np.diff(up.output_V.astype(np.float64)))[ramped[1:]]
     assert steps.max() <= SETTINGS.ramp_V * (1 + 1e-3)

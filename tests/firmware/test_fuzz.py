@@ -36,7 +36,7 @@ PLANTED, RARE = 1000, {"store": 4000}
 """Cases in which each planted fault is found: the rarest break 2 of them, a lost image 5 of 4000."""
 FINDERS = (99, 204, 575, 2151)
 """Seeds that find the planted faults that the other seeds of the corpus miss."""
-NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status")
+NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status", "armed")
 DECLARED = """
 void fuzz_give(const uint8_t *);
 uint32_t fuzz_image_bytes(void);
@@ -92,7 +92,7 @@ def sound() -> Library:
 def fuzzed(fuzzer: Library, seeds: Iterable[range], progress: Callable[[Found], None] = lambda _: None) -> Found:
     """The result over all seeds; progress: called with the result so far after each range."""
     ffi = fuzzer.ffi
-    broken, tracked, features = ffi.new("uint32_t [10]"), ffi.new("uint64_t *"), ffi.new("uint8_t [4096]")
+    broken, tracked, features = ffi.new("uint32_t [11]"), ffi.new("uint64_t *"), ffi.new("uint8_t [4096]")
     finders, found, worst = ffi.new("uint64_t []", ROOM), ffi.new("uint32_t *"), 1 << 64
     result = Found({}, worst, 0, ())
     for each in seeds:
@@ -149,7 +149,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
         (
             "stuck",
             "controller.c",
-            r"if \(\(self->state == CONTROLLER_OFF\) \|\| \(self->state == CONTROLLER_TRIPPED\)\) \{",
+            r"if \(hysgen_controller_drives\(self\) == 0u\) \{",
             "{",
         ),
         (
@@ -158,6 +158,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             r"    firmware_line\(self, board\);",
             "    self->controller.status |= self->image_status; firmware_line(self, board);",
         ),
+        ("armed", "firmware.c", r"hysgen_controller_drives\(&self->controller\)", "1u"),
     ],
 )
 @pytest.mark.slow

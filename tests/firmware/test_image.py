@@ -13,7 +13,6 @@ from fixtures.firmware_bench import ModelStage, booted, image, model, sine, trac
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import (
     SLOT_BYTES,
-    BoardFault,
     FirmwareStatus,
     HostFirmware,
     HostImage,
@@ -195,7 +194,7 @@ def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() 
     assert new != old
     assert firmware.state is State.OFF
     firmware.run(np.full(4, 2.0))
-    assert firmware.state is State.RISE
+    assert firmware.state is State.POWER
     firmware.boot()
     assert firmware.bank() == new
 
@@ -203,7 +202,7 @@ def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() 
 def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
     firmware = booted()
     old, data = firmware.bank(), encode(changed(STIFFER))
-    firmware.fail(BoardFault.AMPLIFIER)
+    firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_SENSOR)
     firmware.preempt_store(Request.STOP)
     assert firmware.send(data) == 0
     assert firmware.bank() != old

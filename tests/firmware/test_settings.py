@@ -82,9 +82,11 @@ def test_a_voltage_within_one_step_is_reached_to_the_bit() -> None:
     # Without the exact end of the step one pair in six misses by an ulp: 40 pairs all hit once in 1500 runs.
     for _ in range(40):
         off_V, low_V = (float(each) for each in rng.uniform(-1.5, 1.5, 2).astype(np.float32))
-        settings = Settings(off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, fall_V=4.0, step_V=4.0)
+        settings = Settings(
+            power_samples=1, off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, fall_V=4.0, step_V=4.0
+        )
         firmware = HostFirmware(image(), ModelStage(model(), 0.0), settings)
         firmware.request(Request.START)
-        log = firmware.run(np.full(1, REFERENCE_UM))
-        assert float(log.output_V[0]) == low_V
+        log = firmware.run(np.full(3, REFERENCE_UM))
+        assert float(log.output_V[2]) == low_V
         assert FirmwareStatus.OUTPUT_SLEWED not in firmware.status

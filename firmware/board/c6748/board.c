@@ -68,6 +68,9 @@ static uint32_t board_waiting(void)
 }
 #endif
 
+/* Of c6748.ld: behind the stack, which no start-up clears. */
+extern uint32_t hysgen_start_kept[];
+
 void hysgen_board_start(board_t *board)
 {
     board->next = 0u;
@@ -176,6 +179,18 @@ void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
     (void)board;
     chip_write(CHIP_GPIO + ((on != 0u) ? CHIP_GPIO_SET : CHIP_GPIO_CLEAR), BOARD_AMPLIFIER_ENABLE);
+}
+
+uint32_t *hysgen_board_kept(board_t *board)
+{
+    (void)board;
+    return hysgen_start_kept;
+}
+
+uint32_t hysgen_board_power_on(board_t *board)
+{
+    (void)board;
+    return chip_read(CHIP_RESET_TYPE) & CHIP_RESET_POWER_ON;
 }
 
 void hysgen_board_alive(board_t *board)

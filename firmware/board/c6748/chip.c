@@ -12,6 +12,7 @@
  *           p. 229, PINMUX5 Table 10-27, p. 230
  *   PLL0    [79] sequence 7.2.2.2, p. 136; registers 7.3, p. 137; PLLCTL Table 7-8, p. 141; PLLM Table 7-12, p. 145; PREDIV p. 145; PLLDIVn,
  *           POSTDIV p. 151-152; clock domains Table 6-1, p. 118; PLLCMD [91] 7.4.16; PLLSTAT: same chapter
+ *           RSTYPE, whose bit POR is 1 behind power on and 0 behind a reset by watchdog or pin: same chapter, page not known
  *   PSC     [79] module numbers Table 8-2, p. 166; PTCMD, PTSTAT, MDSTATn, MDCTLn: same chapter, page not known
  *   GPIO    [79] register table p. 902, 19.3.3 to 19.3.5, p. 904-908
  *   EMIFA   CE2CFG, CE3CFG: page not known; fields as Linux (drivers/memory/ti-aemif.c) and TI's E2E thread 144454 (0x087443AD, decoded) have

@@ -16,6 +16,9 @@
 #define CHIP_LINE_HZ         115200u
 #define CHIP_FLASH_HZ        10000000u
 
+#define CHIP_RESET_TYPE      0x01C110E4u  /* RSTYPE of PLL0 */
+#define CHIP_RESET_POWER_ON  0x01u
+
 #define CHIP_TIMER0          0x01C20000u  /* sampling */
 #define CHIP_TIMER1          0x01C21000u  /* watchdog */
 #define CHIP_TIMER_TIM12     0x10u

@@ -24,6 +24,7 @@ static const settings_t main_settings = {
     .loop_low_V = 22.0f,
     .loop_high_V = 56.0f,
     .loop_middle_V = 39.0f,
+    .power_samples = 100u,
     .hold_samples = 4096u,
     .stroke_um = 0.5f,
     .offset_smoothing = 0.001953125f,

@@ -48,7 +48,8 @@ float hysgen_board_reference_um(board_t *board)
 uint32_t hysgen_board_amplifier(board_t *board)
 {
     return (faulty(board, HOST_FAULT_LIMITS) != 0u ? BOARD_AMPLIFIER_LIMITS : 0u)
-        | (faulty(board, HOST_FAULT_AMPLIFIER) != 0u ? BOARD_AMPLIFIER_FAILED : 0u);
+        | (((faulty(board, HOST_FAULT_AMPLIFIER) != 0u) || (board->enabled == 0u) || (board->enabled_for < board->ready_after))
+               ? BOARD_AMPLIFIER_FAILED : 0u);
 }
 
 void hysgen_board_voltage(board_t *board, float u_V)
@@ -91,7 +92,18 @@ void hysgen_board_line_serve(board_t *board)
 
 void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
+    board->enabled_for = (on != 0u) ? board->enabled_for + 1u : 0u;
     board->enabled = on;
+}
+
+uint32_t *hysgen_board_kept(board_t *board)
+{
+    return board->kept;
+}
+
+uint32_t hysgen_board_power_on(board_t *board)
+{
+    return (uint32_t)(board->restarted == 0u);
 }
 
 void hysgen_board_alive(board_t *board)

@@ -41,7 +41,11 @@ typedef struct board {
     uint8_t outgoing[512];      /* and from it */
     uint32_t outgoing_count;
     uint32_t served;            /* calls of hysgen_board_line_serve */
-    uint32_t enabled;           /* the amplifier is switched on */
+    uint32_t enabled;           /* the amplifier is switched on, */
+    uint32_t enabled_for;       /* for so many samples; */
+    uint32_t ready_after;       /* its OK pin is high from this number on, and low while it is off */
+    uint32_t restarted;         /* the next boot is no power on */
+    uint32_t kept[2];
     uint32_t alive;             /* calls of hysgen_board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */

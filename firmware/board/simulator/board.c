@@ -20,6 +20,7 @@ static settings_t simulated_settings = {
     .loop_low_V = 24.0f,
     .loop_high_V = 54.0f,
     .loop_middle_V = 39.0f,
+    .power_samples = 16u,
     .hold_samples = 64u,
     .stroke_um = 0.5f,
     .offset_smoothing = 0.125f,
@@ -57,8 +58,7 @@ float hysgen_board_reference_um(board_t *board)
 
 uint32_t hysgen_board_amplifier(board_t *board)
 {
-    (void)board;
-    return 0u;
+    return (board->enabled != 0u) ? 0u : BOARD_AMPLIFIER_FAILED;
 }
 
 void hysgen_board_voltage(board_t *board, float u_V)
@@ -86,6 +86,17 @@ void hysgen_board_line_serve(board_t *board)
 void hysgen_board_amplifier_enable(board_t *board, uint32_t on)
 {
     board->enabled = on;
+}
+
+uint32_t *hysgen_board_kept(board_t *board)
+{
+    return board->kept;
+}
+
+uint32_t hysgen_board_power_on(board_t *board)
+{
+    (void)board;
+    return 1u;
 }
 
 void hysgen_board_alive(board_t *board)

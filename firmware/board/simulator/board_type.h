@@ -11,6 +11,7 @@ typedef struct {
     float reading_um;
     float reference_um;
     float output_V;
+    uint32_t kept[2];
     uint32_t enabled;             /* the amplifier is switched on */
     uint8_t in[SIMULATED_LINE];   /* bytes on the line to the firmware, */
     uint32_t in_first;

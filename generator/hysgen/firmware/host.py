@@ -41,7 +41,10 @@ HEADERS: Final = (
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
 
-CALLED: Final = (*(f"hysgen_firmware_{name}" for name in ("boot", "interrupt", "idle", "status")), "hysgen_host_run")
+CALLED: Final = (
+    *(f"hysgen_firmware_{name}" for name in ("boot", "interrupt", "idle", "status", "panic")),
+    "hysgen_host_run",
+)
 """Functions of the image that are called from here."""
 
 SLOT_BYTES: Final = 4096
@@ -52,14 +55,15 @@ class State(IntEnum):
     """State of the controller (controller.h)."""
 
     OFF = 0
-    RISE = 1
-    LOOP = 2
-    HOLD = 3
-    APPROACH = 4
-    TRACK = 5
-    FALL = 6
-    TRIP = 7
-    TRIPPED = 8
+    POWER = 1
+    RISE = 2
+    LOOP = 3
+    HOLD = 4
+    APPROACH = 5
+    TRACK = 6
+    FALL = 7
+    TRIP = 8
+    TRIPPED = 9
 
 
 class Request(IntEnum):
@@ -98,9 +102,11 @@ class FirmwareStatus(IntFlag):
     FAULT_STROKE = 0x800000
     FAULT_SETTINGS = 0x1000000
     FAULT_TIMEOUT = 0x2000000
+    FAULT_RESET = 0x4000000
+    FAULT_EXCEPTION = 0x8000000
 
 
-FAULTS: Final = 0x03FF0000
+FAULTS: Final = 0x0FFF0000
 """Mask of the bits of FirmwareStatus that bring the voltage down (STATUS_FAULTS of status.h)."""
 
 
@@ -134,6 +140,7 @@ class Settings:
     loop_low_V: float = 22.0
     loop_high_V: float = 56.0
     loop_middle_V: float = 39.0
+    power_samples: int = 100
     hold_samples: int = 4096
     stroke_um: float = 0.5
     offset_smoothing: float = 2.0**-9
@@ -220,8 +227,9 @@ class HostFirmware:
         self._ffi.memmove(self.board.store, b"\xff" * (2 * SLOT_BYTES), 2 * SLOT_BYTES)
         self.boot()
 
-    def boot(self) -> None:
-        """Power on: all memory but the store starts with arbitrary bytes (0xA5)."""
+    def boot(self, power_on: bool = True) -> None:
+        """Power on, or a reset under power: all memory but the store starts with arbitrary bytes (0xA5)."""
+        self.board.restarted = not power_on
         self._ffi.memmove(self.firmware, b"\xa5" * self._ffi.sizeof("firmware_t"), self._ffi.sizeof("firmware_t"))
         self._lib.hysgen_firmware_boot(self.firmware, self.board, self._settings, self._owner)
 
@@ -232,6 +240,11 @@ class HostFirmware:
     @property
     def status(self) -> FirmwareStatus:
         return FirmwareStatus(self._lib.hysgen_firmware_status(self.firmware))
+
+    @property
+    def first_fault(self) -> FirmwareStatus:
+        """The faults of the first sample that had any, since the last CLEAR in OFF or TRIPPED."""
+        return FirmwareStatus(self.firmware.controller.first)
 
     @property
     def settings_wrong(self) -> str | None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-PROTOCOL: Final = 1
+PROTOCOL: Final = 2
 ANSWER: Final = 0x80
 CHUNK: Final = 64
 """Bytes of a parameter image in one frame."""
@@ -39,7 +39,8 @@ CODES: Final = ("done", "no such command", "too few or too many data", "a value 
 class LinkStatus:
     """Answer to STATUS: the firmware now, words in the order of the frame.
 
-    state, status, samples: of the controller. reading_um, output_V, reference_um, offset_um: of the last sample.
+    state, status, samples: of the controller. first_fault: bits of the first fault, kept over a reset. reading_um,
+    output_V, reference_um, offset_um: of the last sample.
     image_answer, image_pending, received: of the parameter image that arrived last. counter: of the image in use, 0 for
     none. commits, commit_answer, updates, rejected: of learning. cycles_last, cycles_most: of the interrupt. selftest:
     mismatches at boot.
@@ -47,6 +48,7 @@ class LinkStatus:
 
     state: int
     status: int
+    first_fault: int
     samples: int
     reading_um: float
     output_V: float
@@ -67,7 +69,7 @@ class LinkStatus:
     @classmethod
     def unpack(cls, data: bytes) -> LinkStatus:
         """Raises struct.error for data of another length."""
-        return cls(*struct.unpack("<3I4f11I", data))
+        return cls(*struct.unpack("<4I4f11I", data))
 
 
 @dataclass(frozen=True)

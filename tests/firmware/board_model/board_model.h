@@ -37,6 +37,7 @@ typedef struct {
     uint32_t dog;               /* watchdog: 0 off, 1 first word seen, 2 active, 3 active with the first word seen */
     uint64_t dog_served;
     uint32_t dog_bitten;        /* the watchdog resets the chip */
+    uint32_t reset_under_power; /* resets behind the first, which is power on */
     uint64_t interrupts;        /* of Timer64P0 */
 
     /* UART2, and the adapter at its other end, 115200 bit/s. */

@@ -252,6 +252,7 @@ void device_store(void *devices, uint64_t cycle, uint32_t address, uint32_t size
 
 void board_model_reset(board_model_t *model)
 {
+    model->reset_under_power += (uint32_t)(model->cycle != 0u);
     model->cycle = 0u;
     memset(model->kick, 0, sizeof model->kick);
     memset(model->pinmux, 0, sizeof model->pinmux);

@@ -50,6 +50,7 @@ static void set_core_clock(board_model_t *model)
 uint32_t pll_load(const board_model_t *model, uint32_t offset)
 {
     switch (offset) {
+    case 0xE4u: return (model->reset_under_power == 0u) ? 1u : 2u; /* RSTYPE: POR, XWRST */
     case 0x100u: return model->pll_control;
     case 0x110u: return model->pll_multiplier;
     case 0x114u: return model->pll_prediv;

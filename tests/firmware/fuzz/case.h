@@ -28,6 +28,8 @@ typedef struct {
     uint32_t before;           /* state of the controller, its status word and CLEARs after the interrupt before */
     uint32_t status;
     uint32_t clears;
+    uint32_t armed;            /* a START was taken since the controller was off */
+    uint32_t locked;           /* a reset under power came, and no CLEAR since */
     uint32_t counter;          /* of the image that the store acknowledged last */
     model_t stage;
     board_t board;

@@ -167,8 +167,19 @@ static void reach(fuzz_t *self)
     self->before = state;
 }
 
+/* The amplifier is on only behind a START out of OFF, which a reset under power forbids until CLEAR. */
+static uint32_t broken_amplifier(fuzz_t *self, uint32_t asked)
+{
+    const uint32_t off = (uint32_t)(self->before == (uint32_t)CONTROLLER_OFF);
+
+    self->locked = (self->clears != self->firmware.controller.clears) ? 0u : self->locked;
+    self->armed = (off != 0u) ? (uint32_t)(asked == CONTROLLER_START) : self->armed;
+    return ((self->board.enabled != 0u) && ((self->armed == 0u) || (self->locked != 0u))) ? FUZZ_ARMED : 0u;
+}
+
 static void interrupt(fuzz_t *self)
 {
+    const uint32_t asked = self->firmware.controller.request;
     const float before_V = self->board.output_V;
     const float y_um = self->board.reading_um;
     const controller_t *controller = &self->firmware.controller;
@@ -178,6 +189,7 @@ static void interrupt(fuzz_t *self)
     hysgen_firmware_interrupt(&self->firmware, &self->board);
     self->k += 1u;
     self->broken |= (((self->status & ~controller->status) != 0u) && (self->clears == controller->clears)) ? FUZZ_STATUS : 0u;
+    self->broken |= broken_amplifier(self, asked);
     self->status = controller->status;
     self->clears = controller->clears;
     watch_sensor(self, y_um, before_V);
@@ -240,12 +252,16 @@ static void reset(fuzz_t *self)
 {
     uint32_t found;
 
-    if (fuzz_below(self, 2u) != 0u) {
+    self->board.restarted = fuzz_below(self, 2u);
+    self->locked = self->board.restarted;
+    self->armed = 0u;
+    if (self->board.restarted != 0u) {
         const float off_V = (number_finite(self->settings.off_V) != 0u) ? self->settings.off_V : 0.0f;
 
         hysgen_firmware_panic(&self->firmware, &self->board);
         self->broken |= ((self->board.output_V != off_V) || (self->board.enabled != 0u)) ? FUZZ_PANIC : 0u;
     }
+    self->board.enabled = 0u;  /* the pin, by its pull-down */
     boot(self);
     found = parameters_of(self, &self->firmware.controller.bank);
     if ((found != self->stored) && ((found >= FUZZ_GOOD) || (((self->sent >> found) & 1u) == 0u))) {
@@ -253,6 +269,13 @@ static void reset(fuzz_t *self)
     }
     self->stored = found;
     self->sent = 0u;
+    if (self->locked != 0u) {
+        self->firmware.controller.request = CONTROLLER_START;
+        interrupt(self);
+        interrupt(self);
+        self->firmware.controller.request = CONTROLLER_CLEAR;
+        interrupt(self);
+    }
     ask(self);
 }
 

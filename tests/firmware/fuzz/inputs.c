@@ -39,6 +39,7 @@ void fuzz_settings(fuzz_t *self)
     s->loop_low_V = fuzz_float(self, 22.0f, 30.0f);
     s->loop_high_V = fuzz_float(self, 40.0f, 50.0f);
     s->loop_middle_V = fuzz_float(self, 30.0f, 40.0f);
+    s->power_samples = 1u + fuzz_below(self, 20u);
     s->hold_samples = 1u + fuzz_below(self, 200u);
     s->stroke_um = fuzz_float(self, 0.3f, 2.0f);
     s->offset_smoothing = fuzz_float(self, 0.0f, 1.0f);

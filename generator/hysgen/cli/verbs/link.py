@@ -77,8 +77,8 @@ def _image(file: Path) -> bytes:
 
 def status_table(status: LinkStatus) -> str:
     """The status as rows of name and value."""
-    bits = FirmwareStatus(status.status).name or "0"
-    named = to_json(status) | {"state": State(status.state).name, "status": bits}
+    bits = {name: FirmwareStatus(getattr(status, name)).name or "0" for name in ("status", "first_fault")}
+    named = to_json(status) | {"state": State(status.state).name, **bits}
     rows = [[name, f"{value:.6g}" if isinstance(value, float) else str(value)] for name, value in named.items()]
     return table(["firmware", ""], rows)
 
