@@ -17,7 +17,6 @@ from hysgen_lab.stage.effects.periodic import PeriodicEffect
 from hysgen_lab.stage.families import (
     FAMILIES,
     SCENARIOS,
-    JilesAtherton,
     MeshPreisach,
     Plant,
     RisingBoucWen,
@@ -163,11 +162,6 @@ def test_thermal_hysterons_depend_on_the_rate_and_creep() -> None:
     y_um = run(replace(hidden.stage, noise=None), held_V, hidden.Ts_s).displacement_um
     # No lag is left after 400 samples, and the stage has no other creep.
     assert y_um[-1] - y_um[600] > 5 * hidden.noise_um
-
-
-def test_a_magnetisation_that_would_jump_is_refused() -> None:
-    with pytest.raises(StageError, match="coupling_V"):
-        JilesAtherton(0.0, 100.0, coupling_V=20.0)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

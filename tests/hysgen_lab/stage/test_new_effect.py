@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import hysgen
-from hysgen_lab.stage import Stage, StageError, StageState, effects, run
-from hysgen_lab.stage.effects import Action, Effect, Setting
+from hysgen_lab.stage import Stage, StageError, StageState, run
+from hysgen_lab.stage.effects import Action, Effect
 from hysgen_lab.studies.bank import scenario
 
 ECHO = """
@@ -78,24 +78,6 @@ assert PARAMETERS["echo.um_per_V"] == 0.1
 assert abs(parameter_errors(hidden, {"echo.um_per_V": 1.05 * um_per_V})["echo.um_per_V"] - 0.05) < 1e-12
 print(scenario("creep", 3).stage == scenario("creep", 3).stage, np.float64(scenario("creep", 3).u_V.sum()).hex())
 """
-
-
-def test_every_effect_file_is_in_the_registry_once_with_its_own_number() -> None:
-    names = [kind.name for kind in effects().values()]
-    assert names == list(effects())
-    numbers = [kind.bank_index for kind in effects().values() if kind.bank_index is not None]
-    assert len(set(numbers)) == len(numbers)
-
-
-def test_tolerances_are_those_of_the_true_parameters_of_an_effect_that_is_drawn() -> None:
-    setting = Setting(np.linspace(0.0, 100.0, 1000), 1e-3, 8.0, 0.02, ("axis2_V",))
-    for kind in effects().values():
-        if kind.bank_index is None:
-            assert not kind.tolerances
-            continue
-        parameters = kind.draw(np.random.default_rng(1), setting).true_parameters()
-        assert set(kind.tolerances) <= set(parameters)
-        assert all(key.startswith(f"{kind.name}.") for key in parameters)
 
 
 @pytest.mark.slow
