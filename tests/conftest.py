@@ -101,11 +101,11 @@ def once_per_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Cal
 
 @pytest.fixture(autouse=True, scope="session")
 def _facts_of_generated_c(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> Iterator[None]:
-    """The costly facts of a generated folder are computed once per run for each model: many tests generate the same.
+    """The costly facts of a generated folder, and the C of an export, are made once per run for each model.
 
     They are pure functions of the model. Tests of these functions import them from their own modules and compute.
     """
-    from hysgen import codegen
+    from hysgen import codegen, export
     from hysgen.machine.files import digest
     from hysgen.model.file import dump_model
     from hysgen.model.model import Model
@@ -122,4 +122,6 @@ def _facts_of_generated_c(once_per_run: Callable[[str, Callable[[], Any]], Any])
         for module, names in ((codegen, ("figures", "chains", "learning")), (codegen.derived, ("accuracy",))):
             for name in names:
                 patch.setattr(module, name, remembered(name, getattr(module, name)))
+        generated = remembered("generate", export.generate)
+        patch.setattr(export, "generate", lambda model, options: dict(generated(model, options)))
         yield

@@ -208,7 +208,7 @@ def test_an_interrupt_before_any_packet_leaves_arguments_on_the_stack_alone() ->
     assert differing == 0
 
 
-@pytest.mark.parametrize("scheduled", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["C", "kernels"])
+@pytest.mark.parametrize("scheduled", [False, True], ids=["C", "kernels"])
 @pytest.mark.slow
 def test_an_interrupt_before_any_packet_of_the_idle_loop_changes_no_word(
     scheduled: bool, monkeypatch: pytest.MonkeyPatch
