@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from hysgen.codegen.derived import Derived, Options
 from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
@@ -19,7 +21,7 @@ from hysgen.codegen.parameters import Table, error_section, numbers_digest
 from hysgen.codegen.render import context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
-from hysgen.errors import HysgenError
+from hysgen.errors import HysgenError, ModelError
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest, write_whole
 from hysgen.machine.reproducible import rounded_up
@@ -27,6 +29,9 @@ from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 
 __all__ = ["Derived", "Options", "cost_figures", "generate", "marked_source", "tables", "write"]
+
+LEAST_RESOLVED: Final = 1e-5
+"""Step of float32 at the end of the range, as a share of the range, below which it is fine enough in any case."""
 
 ERROR_DIGITS: Final = 6
 """Digits of the worst errors in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
@@ -36,11 +41,13 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     """The text of every file of the generated folder, by file name.
 
     Raises CertificateError, with place and value, if the options include an inverse that is singular or not certified
-    stable in the model's range, and BudgetError, with the numbers, if a sample takes longer than the sample period.
+    stable in the model's range, BudgetError, with the numbers, if a sample takes longer than the sample period, and
+    ModelError if float32 does not resolve the displacement.
     """
     chosen = options or Options()
     derived = Derived.of(model)
     model = derived.model
+    _require_resolution(model)
     if chosen.inverse:
         derived.require_inverse()
     errors = derived.errors(inverse=chosen.inverse)
@@ -73,6 +80,19 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
+
+
+def _require_resolution(model: Model) -> None:
+    """Raise ModelError if the step of float32 at the end of the displacement range exceeds half the noise."""
+    low_um, high_um = model.grid.y_min_um, model.grid.y_max_um
+    step_um = float(np.spacing(np.float32(max(abs(low_um), abs(high_um)))))
+    noise_um = float(model.scores.get("identification", {}).get("noise_floor", {}).get("rms_um", 0.0))
+    if step_um > max(0.5 * noise_um, LEAST_RESOLVED * (high_um - low_um)):
+        raise ModelError(
+            f"{model.name}: at {high_um:.9g} um float32 has steps of {1e3 * step_um:.3g} nm, more than half the noise "
+            f"({0.5e3 * noise_um:.3g} nm); take {low_um:.9g} um off the displacement, in the record before the fit and "
+            "in the controller"
+        )
 
 
 def cost_figures(model: Model | Derived, options: Options | None = None) -> Figures:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.certify.certificates import certify
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
 from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
@@ -182,8 +183,21 @@ def diagnose_and_evaluate(
     progress: Progress | None = None,
 ) -> Study:
     """Diagnose a record and map its held-out errors. Raises RecordError or FitError with a message of one line."""
-    chosen = settings or DiagnoseSettings()
-    return evaluate(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
+    chosen, level_um = settings or DiagnoseSettings(), record.level_um
+    if not level_um:
+        return evaluate(diagnose(record, holdout, chosen, progress), record, holdout, chosen.identify)
+    lower = None if holdout is None else holdout.raised(-level_um)
+    found = diagnose(record.raised(-level_um), lower, chosen, progress)
+    digest = prepare(record, holdout, chosen.identify).identification().digest
+    found = replace(found, base=_raised(found.base, level_um, digest), model=_raised(found.model, level_um, digest))
+    return evaluate(found, record, holdout, chosen.identify)
+
+
+def _raised(model: Model, level_um: float, digest: str) -> Model:
+    """The model of a displacement that stands `level_um` higher, fitted to the record of this digest."""
+    higher = model.raised(level_um)
+    history = {**model.history, "record": {**model.history.get("record", {}), "digest": digest}}
+    return replace(higher, history=history, certificates=certify(higher).to_json())
 
 
 def evaluate(diagnosis: Diagnosis, record: Record, holdout: Record | None, identify: float) -> Study:

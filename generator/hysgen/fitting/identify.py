@@ -40,10 +40,25 @@ def fit(
     starts: states of the terms before each segment, where they are known.
     progress: called with the fraction done and one line of text after each step.
 
-    The model contains its history (settings, record, outcome of the fit) and its certificates.
+    The model contains its history (settings, record, outcome of the fit) and its certificates. A constant on which the
+    displacement stands (`Record.level_um`) changes no more than the numbers that hold it.
     Raises FitError, ModelError or RecordError with one line.
     """
-    chosen = settings or FitSettings()
+    chosen, level_um = settings or FitSettings(), record.level_um
+    if not level_um:
+        return _fit(record, chosen, trust, starts, progress)
+    lower = chosen
+    if chosen.displacement_range_um is not None:
+        low_um, high_um = chosen.displacement_range_um
+        lower = dataclasses.replace(chosen, displacement_range_um=(low_um - level_um, high_um - level_um))
+    model = _fit(record.raised(-level_um), lower, trust, starts, progress)
+    return _with_history(model.raised(level_um), record, chosen, dict(model.history["outcome"]))
+
+
+def _fit(
+    record: Record, chosen: FitSettings, trust: Trust | None, starts: Starts | None, progress: Progress | None
+) -> Model:
+    """`fit` of a displacement that stands on no constant of its own."""
     if chosen.on_path:
         weights = known_past(record, trust)
         path = path_task(record, chosen)

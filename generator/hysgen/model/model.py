@@ -238,6 +238,25 @@ class Model(Displayed):
         grid = self.grid if displacement_um is None else self.grid.within(*displacement_um)
         return dataclasses.replace(self, grid=grid, u_min_V=low_V, u_max_V=high_V, scores={}, certificates={})
 
+    def raised(self, level_um: float) -> Model:
+        """The model of a displacement that stands `level_um` higher, without scores and certificates.
+
+            c_l + level,   q_l3 + level (1 - q_l1)
+
+        Exact, because the memberships add up to 1. The path, whose output is a displacement less the level, stays.
+        """
+        grid = self.grid
+        ends = grid.centres_range_um
+        higher = Grid(
+            grid.y_min_um + level_um,
+            grid.y_max_um + level_um,
+            grid.rules,
+            None if ends is None else (ends[0] + level_um, ends[1] + level_um),
+        )
+        consequents = self.consequents.copy()
+        consequents[:, 2] += level_um * (1.0 - consequents[:, 0])
+        return dataclasses.replace(self, grid=higher, consequents=consequents, scores={}, certificates={})
+
     @property
     def responds(self) -> bool:
         """Whether the path holds a response of the stage (hysteresis, creep, modes)."""

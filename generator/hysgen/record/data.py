@@ -24,6 +24,9 @@ from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_o
 LONGEST_PERIOD_S = 100.0
 """A longer sampling period is taken for a rate in Hz and refused."""
 
+FAR_OFF = 10.0
+"""Distance of a displacement from 0, in multiples of its range, from which on it stands on a constant of its own."""
+
 SAME_PERIOD = 1e-4
 """Largest relative difference of two sampling periods that count as equal."""
 
@@ -204,10 +207,13 @@ class Record(Displayed):
         parts = f" in {len(self.segments)} segments" if len(self.segments) > 1 else ""
         (low_V, high_V), (low_um, high_um) = self.u_range_V, self.y_range_um
         channels = f", channels {', '.join(self.aux_names)}" if self.aux_names else ""
+        ends = f"{low_um:.5g} .. {high_um:.5g} um"
+        if self.level_um:
+            ends = f"{low_um:.10g} um + 0 .. {high_um - low_um:.4g} um"
         return (
             f"{self.source}: {self.samples} samples{parts} at {1e-3 / self.Ts_s:.6g} kHz, "
             f"{self.Ts_s * self.samples:.4g} s, "
-            f"{low_V:.4g} .. {high_V:.4g} V, {low_um:.5g} .. {high_um:.5g} um{channels}"
+            f"{low_V:.4g} .. {high_V:.4g} V, {ends}{channels}"
         )
 
     @property
@@ -261,6 +267,20 @@ class Record(Displayed):
             return self
         parts = [segment.whole() for segment in self.segments]
         return Record.from_segments(parts, self.Ts_s, self.source, self.warnings)
+
+    @property
+    def level_um(self) -> float:
+        """The constant on which the displacement stands: its least value if that is far beyond its range, else 0.
+
+        Fits take it off: their priors and roundings are relative to the displacement, not to its range.
+        """
+        low, high = self.y_range_um
+        return low if abs(low) > FAR_OFF * (high - low) else 0.0
+
+    def raised(self, level_um: float) -> Record:
+        """The record with `level_um` added to the displacement."""
+        segments = [segment.raised(level_um) for segment in self.segments]
+        return Record.from_segments(segments, self.Ts_s, self.source, self.warnings)
 
     def without_wrong_readings(self, gated: bool = False) -> Record:
         """The record with its single wrong readings bridged (`wrong_readings`), and a line for each in its warnings.

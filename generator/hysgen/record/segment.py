@@ -101,6 +101,11 @@ class Segment:
             start_s=parts[0].start_s,
         )
 
+    def raised(self, level_um: float) -> Segment:
+        """The segment and its past with `level_um` added to the displacement."""
+        past = None if self.past is None else self.past.raised(level_um)
+        return replace(self, y_um=self.y_um + level_um, past=past)
+
     def rows(self, start: int, stop: int, Ts_s: float) -> Segment:
         """Samples start..stop-1 as a segment of its own, whose past are the samples before; views, not copies."""
         past = self.rows(0, start, Ts_s) if start > 0 else self.past
