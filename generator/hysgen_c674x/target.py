@@ -5,7 +5,7 @@ The functions import their machinery when they are called: the help of a verb li
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from hysgen.codegen.operations.cycles import C674X
@@ -27,21 +27,13 @@ def cost(model: Model, texts: Texts) -> TargetCost:
     """Cycles, code and stack of every function, and the kernels beside their bounds."""
     from hysgen_c674x import toolchain
     from hysgen_c674x.footprint import footprint
-    from hysgen_c674x.formulas import formula_lines, kernel_formulas
     from hysgen_c674x.schedule.limits import kernel_costs, kernel_table
 
     figures, scheduled = footprint(model.name, texts), kernel_costs(model.name, texts)
     if not scheduled:
         return TargetCost(figures, toolchain.version())
-    notes = [kernel_table(scheduled), "\n".join(formula_lines("the kernels", kernel_formulas(model)))]
-    return TargetCost(figures, toolchain.version(), notes, {"kernels": [cost.to_json() for cost in scheduled]})
-
-
-def estimates(model: Model) -> Sequence[str]:
-    """Cycles of gcc's code as formulas in the sizes of the structure."""
-    from hysgen_c674x.formulas import formula_lines, formulas
-
-    return formula_lines("the C by gcc", formulas(model))
+    more = {"kernels": [cost.to_json() for cost in scheduled]}
+    return TargetCost(figures, toolchain.version(), [kernel_table(scheduled)], more)
 
 
 def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], Mapping[str, str]]:
@@ -75,7 +67,6 @@ TARGET = Target(
     "c674x",
     about="run the C as its compiler makes it on the instruction-set simulator instead",
     weights=C674X,
-    estimates=estimates,
     cost=cost,
     verify=verify,
     verify_options=("updates",),

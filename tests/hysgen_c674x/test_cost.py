@@ -8,17 +8,15 @@ import re
 import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.generated_models import diagnosed, everything, hysteresis, learning, smooth
+from fixtures.generated_models import diagnosed, everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.checking.cost import changes, cost, cost_of_texts, read, update
 from hysgen.checking.host import Host
 from hysgen.cli import main
-from hysgen.cli.verbs.generate import cost_text
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
@@ -27,14 +25,10 @@ from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_samp
 from hysgen.codegen.operations.text import syntax_tree
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.file import load_model
-from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
-from hysgen.model.path.hysteresis import Hysteresis
 from hysgen_c674x import toolchain
 from hysgen_c674x.cycles import bounds
 from hysgen_c674x.footprint import footprint
-from hysgen_c674x.formulas import formula_lines, formulas, kernel_formulas
-from hysgen_c674x.schedule.folder import kernels
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 STRAIGHT = [
@@ -154,28 +148,6 @@ def test_estimates_are_the_stated_sums_and_a_budget_is_met_to_the_cycle() -> Non
         require_budget(model, cycles, 14.99e6)
     with pytest.raises(BudgetError, match="has 7500 at 375 MHz, the budget is 299;"):
         require_budget(model, cycles, 375e6, 299)
-
-
-def test_formulas_give_the_cycles_of_the_budget_file_within_their_error() -> None:
-    """The file holds measured cycles. No formula describes the delay of `diagnosed`: 3 %, and an inverse of its own."""
-    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:])
-    for model, more in ((learning(), 0.0), (plays, 0.03)):
-        found = {formula.function: (formula.error, value) for formula, value in formulas(model)}
-        assert set(found) == {*FUNCTIONS, "learn", "commit"}
-        for function, (error, value) in found.items():
-            if (model, function) == (plays, "inverse"):
-                continue
-            assert value == pytest.approx(read(BUDGET, model.name)[function]["cycles"], rel=error + more), function
-    for other in (
-        dataclasses.replace(plays, blocks=plays.blocks[:2]),
-        dataclasses.replace(smooth(13), learner=None),
-        dataclasses.replace(plays, grid=dataclasses.replace(plays.grid, rules=7), consequents=np.ones((7, 3))),
-    ):
-        assert formulas(other) == []
-    few = {
-        formula.function for formula, _ in formulas(dataclasses.replace(smooth(2), learner=LearnerSettings(("gain",))))
-    }
-    assert few == set(FUNCTIONS), "2 parameters: below the sizes that were measured"
 
 
 def test_a_budget_file_keeps_every_model_and_tells_every_change(tmp_path: Path) -> None:
@@ -325,57 +297,6 @@ def test_the_largest_path_leaves_the_period_that_it_must() -> None:
     assert found["predict"] <= 500
     assert found["inverse"] <= 1200
     assert max(found["predict"], found["inverse"]) + found["learn"] + found["commit"] <= 5600
-
-
-@pytest.mark.slow
-def test_formulas_give_the_measured_cycles_within_the_error_that_they_state() -> None:
-    """Of sizes that were not fitted: 5 rules with 15 parameters, 12 plays that share coefficients, 6 that relax."""
-    need_compiler()
-    small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
-    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
-    block = dataclasses.replace(hysteresis(6, 2), relaxation=0.03)
-    relaxing = dataclasses.replace(plays, blocks=(block, *plays.blocks[1:]))
-    for model in (small, plays, relaxing):
-        measured = footprint(model.name, generate(model, Options(clock_Hz=1e10)))
-        found = formulas(model)
-        assert len(found) == (5 if model.learner else 3)
-        for formula, value in found:
-            cycles = measured[formula.function]["cycles"]
-            assert abs(value - cycles) <= formula.error * cycles, f"{formula.function}: {value}, measured {cycles}"
-
-
-@pytest.mark.slow
-def test_formulas_of_the_kernels_give_their_cycles_within_the_error_that_they_state() -> None:
-    """Of sizes that were not fitted: 5 rules with 15 parameters, and 12 plays that share coefficients."""
-    small = dataclasses.replace(smooth(5), name="smooth", learner=LearnerSettings())
-    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:], learner=None)
-    for model, functions in ((small, 5), (plays, 3)):
-        schedules = kernels(model.name, generate(model, Options(clock_Hz=1e10))).schedules
-        found = kernel_formulas(model)
-        assert len(found) == functions
-        for formula, value in found:
-            cycles = schedules[f"{model.name}_{formula.function}"].cycles
-            assert abs(value - cycles) <= formula.error * cycles, f"{formula.function}: {value}, scheduled {cycles}"
-
-
-def test_no_formula_describes_an_inverse_of_more_newton_steps() -> None:
-    """The hysteresis of the shipped model `extended` takes four."""
-    plays = dataclasses.replace(diagnosed(), blocks=diagnosed().blocks[1:])
-    steep = next(block for block in load_model("extended").blocks if isinstance(block, Hysteresis))
-    longer = dataclasses.replace(plays, blocks=(steep, *plays.blocks[1:]), u_min_V=22.0, u_max_V=56.0)
-    for found in (formulas, kernel_formulas):
-        assert "inverse" in {formula.function for formula, _ in found(plays)}
-        assert "inverse" not in {formula.function for formula, _ in found(longer)}
-
-
-def test_formulas_stand_beside_the_figures() -> None:
-    model = load_model("appendix_a")
-    text = cost_text(cost_of_texts(model, generate(model), timed=False), model)
-    assert "predict = 120 + 7.6 L = 166 (+-13 %)" in text
-    assert formulas(everything()) == []
-    lines = formula_lines("the kernels", kernel_formulas(load_model("appendix_a")))
-    assert "  predict = 109 + 2.14 L = 122 (+-3 %)" in lines
-    assert formula_lines("the kernels", []) == []
 
 
 @pytest.mark.slow

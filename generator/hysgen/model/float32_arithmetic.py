@@ -8,7 +8,7 @@
 The exponential of the memberships is computed as a power of two; log2(e) is part of the grid's scale factor, so the
 range reduction is exact and needs no split ln 2. Both routines use float32 `+ - *` and integers only, so C and NumPy
 agree in every bit. tests/float32/test_arithmetic.py checks the bounds for every float32 of their intervals and computes
-the coefficients again (hysgen.float32.minimax).
+the coefficients again (benchmarks/minimax.py).
 
     step = (delta + K) - K            K = 1.5 * 2^-37: steps below 2^-61 become 0
     t    = low + step

@@ -110,11 +110,6 @@ class Arx:
         """First predicted sample; the samples before are measured ones."""
         return max(self.a.size, self.b_um_per_V.size + self.delay)
 
-    @property
-    def stable(self) -> bool:
-        """Whether all poles are inside the unit circle."""
-        return bool((np.abs(np.roots(np.concatenate([[1.0], -self.a]))) < 1.0).all())
-
     def free_run(self, record: Record) -> list[Floats]:
         from scipy.signal import lfilter, lfiltic  # imports scipy.stats, which takes half a second
 

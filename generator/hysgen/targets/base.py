@@ -72,16 +72,15 @@ class Kernels:
 class Target:
     """A processor; None and () where it does not have the thing.
 
-    about: what `verify --target NAME` does. weights: cycles of an operation, for estimates. estimates: lines of further
-    estimates for a model. cost: measured cost of a folder. verify: bits of a folder against those of the host;
-    verify_options: fields of `Extent` that it heeds beside samples and seed. firmware: (model, texts, samples, say,
-    warn) -> sizes and cycles of the firmware's image as JSON; raises BuildError without a compiler.
+    about: what `verify --target NAME` does. weights: cycles of an operation, for estimates. cost: measured cost of a
+    folder. verify: bits of a folder against those of the host; verify_options: fields of `Extent` that it heeds beside
+    samples and seed. firmware: (model, texts, samples, say, warn) -> sizes and cycles of the firmware's image as JSON;
+    raises BuildError without a compiler.
     """
 
     name: str
     about: str = ""
     weights: Weights | None = None
-    estimates: Callable[[Model], Sequence[str]] | None = None
     cost: Callable[[Model, Texts], TargetCost] | None = None
     verify: Callable[[Model, Texts, Extent, Progress], Equality] | None = None
     verify_options: tuple[str, ...] = ()

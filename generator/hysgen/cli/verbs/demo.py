@@ -79,7 +79,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
 
     console.say(f"\n$ hysgen cost {code}")
     price = cost(code)
-    console.say(cost_text(price, model))
+    console.say(cost_text(price))
 
     write_whole(page, diagnosis_page(study, proof=(report, price), command=command).html())
     seconds = time.monotonic() - started

@@ -171,7 +171,7 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
         {function: row["cycles"] for function, row in measured.figures.items() if "cycles" in row} if measured else {}
     )
     price = cost(folder, cycles, weights=item.weights if item and item.weights else C674X)
-    console.say(cost_text(price, model))
+    console.say(cost_text(price))
     answer = price.to_json()
     different: list[FigureChange] = []
     if measured:
@@ -202,10 +202,9 @@ def footprint_text(processor: str, measured: TargetCost) -> str:
     return "\n".join(["", table([f"on the {processor}", "cycles", "code bytes", "stack bytes"], rows), below])
 
 
-def cost_text(price: Cost, model: Model) -> str:
-    """A table with one row per function, notes on its columns, and the estimates of the installed targets."""
-    further = [line for item in targets().values() if item.estimates for line in item.estimates(model)]
-    return "\n".join([table(price.header(), price.rows()), *price.notes(), *further])
+def cost_text(price: Cost) -> str:
+    """A table with one row per function, and notes on its columns."""
+    return "\n".join([table(price.header(), price.rows()), *price.notes()])
 
 
 VERBS = {
