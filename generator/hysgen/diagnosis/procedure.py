@@ -15,7 +15,7 @@ from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import extensions_for, with_best_forms
-from hysgen.diagnosis.held_changes import change_in_held_rows
+from hysgen.diagnosis.heldout_jumps import change_in_held_rows
 from hysgen.diagnosis.identifiability import Ability, abilities, next_experiment, unexplained_structure
 from hysgen.diagnosis.ladder import (
     Gain,

@@ -14,8 +14,8 @@ from hysgen.errors import RecordError
 from hysgen.record.array_names import chosen_arrays
 from hysgen.record.checks import check_finite, check_marks, check_values
 from hysgen.record.columns import Columns, nearest
+from hysgen.record.derived_channels import kept, left_out
 from hysgen.record.formats import FileArrays
-from hysgen.record.further import kept, left_out
 from hysgen.record.names import doubts as doubts_of_units
 from hysgen.record.overflow import mended
 from hysgen.record.relation import held, rate, relation, scale

@@ -15,9 +15,9 @@ from hysgen.record.columns import Columns, plain_unit, split_unit
 from hysgen.record.exports import as_table
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, guessed, has_time
+from hysgen.record.printed_rows import unwrapped
 from hysgen.record.spelling import is_clock, number, quantity
 from hysgen.record.text import text_of
-from hysgen.record.wrapped import unwrapped
 
 
 @dataclass(frozen=True, eq=False)

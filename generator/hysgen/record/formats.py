@@ -23,9 +23,9 @@ import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.arrays import HDF5_MAGIC, MATLAB_BLOCK, Array, MatlabObjectError, read_hdf5, read_mat, read_npz
-from hysgen.record.foreign import check_kind, check_parts
 from hysgen.record.json_columns import read_json
 from hysgen.record.lvm import MARK, X, read_lvm
+from hysgen.record.refused_kinds import check_kind, check_parts
 from hysgen.record.text import text_of
 from hysgen.record.timetable import read_tables
 

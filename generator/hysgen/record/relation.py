@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from hysgen.record.same_row import same_row
+from hysgen.record.row_alignment import same_row
 from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
