@@ -253,32 +253,23 @@ class Reach:
         return found
 
     def _of_python(self, edit: Edit) -> set[str]:
-        last = edit.line + edit.old.rstrip("\n").count("\n")
-        lines = set(range(edit.line, last + 1))
-        nodes: list[ast.AST] = [self.trees[edit.file]]
-        while True:
-            inner = [
-                node
-                for node in ast.walk(nodes[-1])
-                if isinstance(node, ast.stmt)
-                and node is not nodes[-1]
-                and min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
-                <= edit.line
-                <= (node.end_lineno or 0)
-            ]
-            if not inner:
-                break
-            nodes.append(max(inner, key=lambda node: (node.end_lineno or 0) - node.lineno))
-        statement = nodes[-1]
+        lines = set(range(edit.line, edit.line + edit.old.rstrip("\n").count("\n") + 1))
+
+        def first(node: ast.stmt) -> int:
+            return min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))])
+
+        nodes = [node for node in ast.walk(self.trees[edit.file]) if isinstance(node, ast.stmt)]
+        around = [node for node in nodes if first(node) <= edit.line <= (node.end_lineno or 0)]
+        # Of statements that begin and end together, the walk comes to the inner one last.
+        statement = min(reversed(around), key=lambda node: (node.end_lineno or 0) - first(node))
+        end = (statement.end_lineno or 0) + 1
         if isinstance(statement, ast.FunctionDef):
-            return self._lines(
-                edit.file, range(statement.body[0].lineno, (statement.end_lineno or 0) + 1), imported=True
-            )
-        body = getattr(statement, "body", None)
-        end = (statement.end_lineno or 0) + 1 if not body else max(body[0].lineno, statement.lineno + 1)
-        if edit.line < end and isinstance(statement, ast.stmt):
+            return self._lines(edit.file, range(statement.body[0].lineno, end), imported=True)
+        if body := getattr(statement, "body", None):
+            end = max(body[0].lineno, statement.lineno + 1)
+        if edit.line < end:
             lines |= set(range(statement.lineno, end))
-        if any(isinstance(node, ast.FunctionDef) for node in nodes):
+        if any(isinstance(node, ast.FunctionDef) for node in around):
             return self._lines(edit.file, lines, imported=True)
         # At the top of a module or a class: run once, used by whoever names it.
         names = {
