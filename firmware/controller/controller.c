@@ -34,6 +34,7 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings)
     self->committing = 0u;
     self->installing = 0u;
     self->learns = 0u;
+    self->start_um = MODEL_Y_MIN_UM;
     self->begun = 0u;
     self->status = 0u;
     self->first = 0u;
@@ -79,6 +80,8 @@ static void controller_begin(controller_t *self)
     model_limits(&self->model, self->settings->low_V, self->settings->high_V, self->settings->step_V);
     bank_copy(&self->model.bank[0], &self->bank);
     bank_copy(&self->model.bank[1], &self->bank);
+    model_init(&self->witness, self->watchdog.reading_um, self->output_V);
+    bank_copy(&self->witness.bank[self->witness.active], &self->bank);
     hysgen_trim_init(&self->trim);
     self->upward = 1u;
     self->begun = 1u;
@@ -162,16 +165,19 @@ static uint32_t controller_limits_reached(const controller_t *self, float u_V)
     return (ends * STATUS_OUTPUT_LIMITED) | (fast * STATUS_OUTPUT_SLEWED);
 }
 
-/* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. */
+/* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. The reading is held against what the
+ * parameters of START say of the voltage that was put out: neither trim nor learning can follow a sensor that fails. */
 static float controller_follow(controller_t *self, float reference_um)
 {
     const settings_t *settings = self->settings;
     const float y_um = self->watchdog.reading_um;
     const uint32_t now = self->oldest;
+    const uint32_t learns = (uint32_t)((settings->options & SETTINGS_LEARN) != 0u);
     float correction = 0.0f;
     float u_V;
 
-    self->status |= hysgen_watchdog_follow(&self->watchdog, settings, self->expected_um[now]);
+    self->status |= hysgen_watchdog_follow(
+        &self->watchdog, settings, (learns != 0u) ? self->start_um + self->offset_um : self->expected_um[now]);
     if ((settings->options & SETTINGS_TRIM) != 0u) {
         if (hysgen_trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
             self->status |= STATUS_TRIM_LIMITED;
@@ -185,9 +191,9 @@ static float controller_follow(controller_t *self, float reference_um)
     self->status |= controller_limits_reached(self, u_V);
     self->reference_um = reference_um;
     self->asked_um[now] = reference_um;
-    self->expected_um[now] = self->model.y_um + self->offset_um - correction;
+    self->expected_um[now] = self->model.y_um + self->offset_um;
     self->oldest = (now + 1u < CONTROLLER_LINE) ? now + 1u : 0u;
-    self->learns = (uint32_t)((settings->options & SETTINGS_LEARN) != 0u);
+    self->learns = learns;
     return u_V;
 }
 
@@ -390,6 +396,9 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
 
 void hysgen_controller_learn(controller_t *self)
 {
+    if ((self->begun != 0u) && ((self->settings->options & SETTINGS_LEARN) != 0u)) {
+        self->start_um = model_simulate(&self->witness, self->output_V);
+    }
     if (self->learns == 0u) {
         return;
     }

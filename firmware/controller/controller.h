@@ -58,6 +58,7 @@ typedef struct {
     volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
 
     uint32_t learns;         /* this sample is one to learn from */
+    float start_um;          /* displacement of the next sample by the parameters of START, learning or not */
     uint32_t begun;          /* the model drives with its own bank since the last START */
     uint32_t upward;         /* LOOP: on the way up */
     uint32_t waited;         /* samples in the present state */
@@ -70,11 +71,12 @@ typedef struct {
     float reference_um;      /* reference that the inverse was asked for last, without trim */
     float wanted_um;         /* last reference of the caller that was one */
     float asked_um[CONTROLLER_LINE];     /* references on their way to the present, oldest at `oldest` */
-    float expected_um[CONTROLLER_LINE];  /* displacements of the model for the samples in between */
+    float expected_um[CONTROLLER_LINE];  /* displacements of the stage by the model for the samples in between */
     uint32_t oldest;
     watchdog_t watchdog;
     trim_t trim;
     model_t model;
+    model_t witness;         /* with learning: the model as it was at START, under the voltage that is put out */
     model_learner_t learner;
     model_bank_t bank;       /* parameters that every start begins with */
 } controller_t;

@@ -46,8 +46,10 @@ typedef struct {
     float high_um;
     float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit, */
     uint32_t stuck_samples;    /* for at least so many samples */
-    float follow_um;           /* |reading - model| beyond which the stage does not follow, */
-    uint32_t follow_samples;   /* for so many samples (leaky count, see watchdog.h) */
+    /* |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
+     * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. */
+    float follow_um;
+    uint32_t follow_samples;   /* and for how many samples (leaky count, see watchdog.h) */
     uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
     uint32_t period_cycles;    /* of the processor from one interrupt to the next */
     uint32_t budget_cycles;    /* of one interrupt */
