@@ -13,9 +13,9 @@ import pytest
 from hysgen.errors import RecordError
 from hysgen.record.columns import Columns
 from hysgen.record.csv_text import CsvTable, read_csv, write_csv
+from hysgen.record.formats.matlab_tables import read_tables
 from hysgen.record.runs import at_gaps, runs_of_arrays, runs_of_table, shifted
 from hysgen.record.segment import NO_STAMPS, Origin, Segment
-from hysgen.record.timetable import read_tables
 
 N = 12
 K = np.arange(float(N))

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from hysgen.record.arrays import Array, key_of, period_in
+from hysgen.record.arrays import key_of
 from hysgen.record.columns import OWN, Columns
 from hysgen.record.formats import FileArrays, names_of
+from hysgen.record.formats.base import Array, period_in
 from hysgen.record.names import ROLES, guessed
 
 MOST_COLUMNS = 64

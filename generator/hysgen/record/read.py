@@ -14,7 +14,7 @@ from hysgen.record.columns import Columns, nearest
 from hysgen.record.content import DEFAULT, Content, checked, columns_of, of_file_arrays
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record
-from hysgen.record.formats import open_checked
+from hysgen.record.formats import Text, open_checked
 from hysgen.record.runs import runs_of_table
 from hysgen.record.sampling import JITTER
 
@@ -123,9 +123,10 @@ def _content(path: Path, columns: Columns) -> Content:
         content = open_checked(path)
     except OSError as fault:
         raise RecordError(f"{path}: cannot be read ({fault.strerror}); check its permissions") from fault
-    if isinstance(content, bytes):
-        table = read_csv(path.name, content, columns)
-        return Content(runs_of_table(path.name, table), table.chosen, table.remarks, table.chosen.Ts_s or table.Ts_s)
+    if isinstance(content, Text):
+        table = read_csv(path.name, content.data, columns)
+        remarks = (*content.remarks, *table.remarks)
+        return Content(runs_of_table(path.name, table), table.chosen, remarks, table.chosen.Ts_s or table.Ts_s)
     return of_file_arrays(path.name, content, columns)
 
 

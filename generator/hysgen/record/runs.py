@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.record.arrays import Array, find, key_of
+from hysgen.record.arrays import find, key_of
 from hysgen.record.columns import Columns, nearest, split_unit
 from hysgen.record.csv_text import CsvTable
+from hysgen.record.formats.base import Array
 from hysgen.record.names import WORDS, to_paste, words_of
 from hysgen.record.sampling import GAP, gap_rows
 from hysgen.record.segment import NO_STAMPS, Origin, Segment, index_of, series_of

@@ -13,9 +13,8 @@ from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.generic]
+from hysgen.record.formats.base import Array
 
 TYPE = "pandas_type"
 """The attribute of a group that holds a DataFrame."""

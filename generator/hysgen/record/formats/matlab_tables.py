@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.arrays import Array
+from hysgen.record.formats.base import Array
 
 UNITS = ("varUnits", "VariableUnits")
 """Attributes of a timetable and of a table that hold the units of its columns."""

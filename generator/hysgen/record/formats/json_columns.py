@@ -14,17 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-
-Array = NDArray[np.generic]
+from hysgen.record.formats.base import FileArrays, Format
 
 FEWEST_COLUMNS = 2
 """Columns without which a file is no record."""
 
 
-def read_json(path: Path) -> dict[str, Array]:
+def read_json(path: Path) -> FileArrays:
     """The numeric columns, and numeric scalars, by name. Raises RecordError for any other JSON, as a model file."""
     try:
         content = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -43,7 +41,7 @@ def read_json(path: Path) -> dict[str, Array]:
             arrays[str(name)] = array
     if sum(array.ndim == 1 for array in arrays.values()) < FEWEST_COLUMNS:
         raise RecordError(f"{path.name}: is JSON without columns of numbers, not a record; save the columns as CSV")
-    return arrays
+    return FileArrays(arrays)
 
 
 def _columns(content: Any) -> Mapping[str, Any]:
@@ -54,3 +52,10 @@ def _columns(content: Any) -> Mapping[str, Any]:
     if isinstance(content.get("columns"), list) and isinstance(content.get("data"), list):
         return dict(zip(map(str, content["columns"]), zip(*content["data"], strict=False), strict=False))
     return {name: list(one.values()) if isinstance(one, dict) else one for name, one in content.items()}
+
+
+def _is_json(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".json" and head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[")
+
+
+FORMAT = Format("json", _is_json, read_json)

@@ -8,31 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.formats.base import FileArrays, Format
 from hysgen.record.spelling import UnreadableError, values_of
+from hysgen.record.text import text_of
 
 MARK: Final = "LabVIEW Measurement"
 END: Final = "***End_of_Header***"
 X: Final = "X_Value"
 
 
-@dataclass(frozen=True)
-class Lvm:
-    """Columns as "part/name", or "name" if the file has one part; units of them; sampling period if one is stated."""
+def read_lvm(path: Path) -> FileArrays:
+    """Columns as "part/name", or "name" if the file has one part; the period only where no column holds the times.
 
-    arrays: Mapping[str, NDArray[np.float64]]
-    units: Mapping[str, str]
-    Ts_s: float | None
-
-
-def read_lvm(source: str, text: str) -> Lvm:
-    """The parts of a file as segments. Raises RecordError with line and cure for a row that is no numbers."""
-    lines = text.splitlines()
+    Raises RecordError with line and cure for a row that is no numbers.
+    """
+    source = path.name
+    lines = text_of(source, path.read_bytes())[0].splitlines()
     end = next((at for at, line in enumerate(lines) if line.startswith(END)), None)
     if end is None:
         raise RecordError(f"{source}: has no line {END}; save it again")
@@ -58,7 +56,8 @@ def read_lvm(source: str, text: str) -> Lvm:
             if channel < len(labels) and labels[channel].strip():
                 units[prefix + names[place]] = labels[channel].strip()
         periods |= {float(step.replace(",", ".")) for step in part.head.get("Delta_X", []) if step.strip()}
-    return Lvm(arrays, units, periods.pop() if len(periods) == 1 else None)
+    timed = any(X in key for key in arrays)
+    return FileArrays(arrays, units, periods.pop() if len(periods) == 1 and not timed else None)
 
 
 @dataclass(frozen=True)
@@ -103,3 +102,6 @@ def _numbers(source: str, part: _Part, columns: Sequence[int], comma: bool) -> N
             where = f"{source}: line {part.first + fault.row + 1}: {part.names[at].strip()}"
             raise RecordError(f"{where} is {fault}; {fault.cure or 'correct it'}") from fault
     return np.column_stack(values)
+
+
+FORMAT = Format("lvm", lambda path, head: head.startswith(MARK.encode()), read_lvm)

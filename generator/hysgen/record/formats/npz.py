@@ -1,0 +1,39 @@
+"""NPZ: arrays by name. Pickled Python objects, which could run code, are refused without being opened."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from hysgen.errors import RecordError
+from hysgen.record.formats.base import Array, FileArrays, Format, one_line
+from hysgen.record.formats.packed import parts_of
+
+
+def read_npz(path: Path) -> FileArrays:
+    """All arrays of an NPZ file by name. Raises RecordError for pickled objects and for other files."""
+    if not zipfile.is_zipfile(path):
+        raise RecordError(f"{path.name}: is not an NPZ file; write it with numpy.savez, or give it its own suffix")
+    arrays: dict[str, Array] = {}
+    name = ""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            for name in archive.files:
+                member = archive[name]
+                if isinstance(member, np.ndarray):
+                    arrays[name] = member
+    except (ValueError, OSError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error) as fault:
+        pickled = "allow_pickle" in str(fault)
+        what = "is a pickled object, which could run code" if pickled else f"is damaged ({one_line(fault)})"
+        raise RecordError(f"{path.name}: array {name} {what}; save arrays of plain numbers") from fault
+    return FileArrays(arrays)
+
+
+def _is_npz(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".npz" or any(part.endswith(".npy") for part in parts_of(path, head))
+
+
+FORMAT = Format("npz", _is_npz, read_npz)
