@@ -27,7 +27,7 @@ N = U_V.size
     [
         (U_V, RNG.normal(size=N), TS_S, "displacement_um does not follow voltage_V: largest correlation 0.0"),
         (U_V[90:], Y_UM[:-90], TS_S, "runs 102 samples (0.0102 s) behind voltage_V"),
-        (U_V, -Y_UM, TS_S, "falls as voltage_V rises (correlation -1.0"),
+        (U_V, -Y_UM, TS_S, "falls as voltage_V rises slowly (correlation -"),
         (U_V, 1e3 * Y_UM, TS_S, "more than a piezo stage moves; if it is in nm, give --columns displacement_unit=nm"),
         (U_V, 1e-6 * Y_UM, TS_S, "less than the noise of a sensor"),
         (U_V, Y_UM, 0.02, "is sampled at 50 Hz; if the time is in ms, give --columns time_unit=ms"),
@@ -117,3 +117,38 @@ def test_a_model_that_explains_nothing_or_leaves_its_range_is_said_first() -> No
     assert any("leaves the identified" in line and "the model is clamped there" in line for line in lines)
     noise = Record.from_arrays(U_V, 4 + 0.5 * RNG.normal(size=N), TS_S)
     assert "explains next to nothing" in str(hysgen.score(hysgen.fit(noise), noise)).splitlines()[1]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("kind", ["sweep through a mode", "steps", "slow sine"])
+def test_an_inverted_sensor_is_judged_by_the_slow_response(kind: str, sign: float) -> None:
+    """A mode at 40 Hz of 1 kHz: most of a sweep to 400 Hz lies above it, where a sound displacement falls."""
+    t = np.arange(8000) * 1e-3
+    u_V = (
+        50.0
+        + 40.0
+        * {
+            "sweep through a mode": np.sin(2.0 * np.pi * (1.0 + 25.0 * t) * t),
+            "steps": np.sign(np.sin(2.0 * np.pi * 0.7 * t)),
+            "slow sine": np.sin(2.0 * np.pi * 2.0 * t),
+        }[kind]
+    )
+    w, damping = 2.0 * np.pi * 0.04, 0.03
+    a1, a2 = 2.0 * np.exp(-damping * w) * np.cos(w), -np.exp(-2.0 * damping * w)
+    y_um = np.full(t.size, 0.07 * u_V[0])
+    for k in range(2, t.size):
+        y_um[k] = a1 * y_um[k - 1] + a2 * y_um[k - 2] + (1.0 - a1 - a2) * 0.07 * u_V[k - 1]
+    y_um = sign * y_um + 1e-3 * np.random.default_rng(5).normal(size=t.size)
+    inverted = [line for line in Record.from_arrays(u_V, y_um, 1e-3).warnings if "an inverted sensor?" in line]
+    assert bool(inverted) == (sign < 0.0)
+
+
+def test_a_second_displacement_and_a_further_channel_are_hinted_at(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(
+        "\n".join(["time_s,voltage_V,sensor A [um],sensor B [um]", *(f"{k},{k % 7},{k % 5},{k % 3}" for k in range(9))])
+    )
+    with pytest.raises(RecordError, match=r"another may be a further channel: aux=sensor B \[um\]"):
+        load_record(path)
+    with pytest.raises(RecordError, match="give each further channel its own aux=NAME, as aux=a,aux=b"):
+        load_record(path, Columns(displacement="sensor A [um]", aux=("sensor B;C",)))

@@ -35,7 +35,8 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         default="",
         help="names, units and separators of the file, as voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5; "
         "keys: "
-        f"{', '.join(field.name for field in dataclasses.fields(Columns))} (default: guessed, and said)",
+        f"{', '.join(field.name for field in dataclasses.fields(Columns))} (default: guessed, and said); "
+        "aux=NAME once for each further channel",
     )
     parser.add_argument(
         "--accept", choices=ACCEPTABLE, action="append", default=[], help="take a record in spite of this finding"

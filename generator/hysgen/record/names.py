@@ -174,7 +174,7 @@ def guessed(
         if len(best) > 1:
             several[role] = best
     for role, best in several.items():
-        gain = ""
+        gain = f"; another may be a further channel: aux={best[1]}" if role == "displacement" else ""
         if role == "voltage" and "displacement" in missing and "displacement" not in found:
             found["displacement"] = best[1]
             unit = split_unit(best[1])[1] or units.get(best[1], "V")

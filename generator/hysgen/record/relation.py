@@ -38,6 +38,10 @@ UNRELATED = 0.4
 UNEXPLAINED = 0.05
 """Share of the variance that a linear response must explain; of a mirror with three drives, one explains 13 %."""
 
+SLOW, STRONG = 0.02, 0.01
+"""Share of the voltage's power, from the lowest frequency on, in which an inverted sensor is looked for; least power of
+a frequency there, as a share of the largest."""
+
 LATE, TOGETHER = 0.9, 0.5
 """The logs may not be aligned where c is at least LATE at the best lag and below TOGETHER at lag 0: a phase of more
 than 60 degrees at one frequency. A time constant of 1 ms has 32 at 100 Hz, hysteresis of 20 % adds 12."""
@@ -131,6 +135,23 @@ def coherent_share(run: Segment) -> float:
     return max(share - bias, 0.0) / (1.0 - bias)
 
 
+def slow_response(run: Segment) -> float:
+    """Correlation of displacement and voltage at the lowest frequencies that hold SLOW of the voltage's power, -1 to 1.
+
+    Above a resonance a sound displacement moves against the voltage; below, only one of an inverted sensor does.
+    """
+    n = min(run.u_V.size, MOST)
+    ramp = np.linspace(-1.0, 1.0, n)
+    about = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
+    u, y = (rfft(part - ramp * float(ramp @ part) / float(ramp @ ramp)) for part in about)
+    # Where the voltage has little power, a drift of the displacement would decide.
+    strong = np.flatnonzero(np.abs(u) ** 2 > STRONG * float(np.max(np.abs(u) ** 2)))
+    power = np.cumsum(np.abs(u[strong]) ** 2)
+    slow = strong[: int(np.searchsorted(power, SLOW * power[-1])) + 1]
+    scale = float(np.sqrt(np.sum(np.abs(u[slow]) ** 2) * np.sum(np.abs(y[slow]) ** 2)))
+    return float(np.sum(np.conj(u[slow]) * y[slow]).real) / scale if scale > 0.0 else 0.0
+
+
 def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     """A line for a displacement that does not follow the voltage, falls as it rises, or follows at another time.
 
@@ -142,6 +163,14 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     if lag is None:
         return
     names, drive = f"{run.origin.source}: {run.origin.displacement}", run.origin.voltage
+    slow = slow_response(run)
+    falls = lag.correlation < 0.0 and slow < UNRELATED
+    if falls or (slow < -UNRELATED and lag.correlation < UNRELATED):
+        yield (
+            f"{names} falls as {drive} rises slowly (correlation {slow:.2f}): an inverted sensor? Then "
+            "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
+        )
+        return
     if abs(lag.correlation) < UNRELATED:
         share = coherent_share(run)
         if share < UNEXPLAINED:
@@ -150,12 +179,7 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
                 f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"
             )
         return
-    if lag.correlation < 0.0:
-        yield (
-            f"{names} falls as {drive} rises (correlation {lag.correlation:.2f}): an inverted sensor? Then "
-            "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
-        )
-    elif lag.misaligned:
+    if lag.correlation > 0.0 and lag.misaligned:
         time = "" if Ts_s is None else f" ({abs(lag.samples) * Ts_s:.3g} s)"
         yield (
             f"{names} runs {abs(lag.samples)} samples{time} {lag.way} {drive}, lag and hysteresis of the stage "

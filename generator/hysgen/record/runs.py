@@ -43,6 +43,8 @@ def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
                 if set(words_of(other)) & set(WORDS[role]) and (unit := split_unit(other)[1]):
                     columns.named({role: other}).check_unit(role, unit, source)
             cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
+            if role == "aux":
+                cure = "give each further channel its own aux=NAME, as aux=a,aux=b"
             if role == "time":
                 cure += " or, without time stamps, --columns Ts_s=SECONDS"
             if role != "time" and sum(one not in (columns.time, columns.segment) for one in there) == 1:
