@@ -163,7 +163,7 @@ def test_the_demo_goes_the_whole_way_and_shows_each_command(
     model, given = replace(load_model("appendix_a"), name="stage"), list[Any]()
     results: list[Any] = []
     study = SimpleNamespace(
-        ladder=lambda: [["step", *["x"] * 7]], diagnosis=SimpleNamespace(base=model), to_json=lambda: {"causes": []}
+        ladder=lambda: [["step", *["x"] * 8]], diagnosis=SimpleNamespace(base=model), to_json=lambda: {"causes": []}
     )
     report = SimpleNamespace(
         equal=equal, lines=lambda: ["first", "equal in every bit"], to_json=lambda: {"equal": equal}

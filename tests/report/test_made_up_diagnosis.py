@@ -29,9 +29,11 @@ from hysgen.diagnosis.error_map import ErrorMap, Profile, Spectrum
 from hysgen.diagnosis.evaluation import Study
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain
+from hysgen.diagnosis.remaining import Left
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
+from hysgen.model.remaining import Taken
 from hysgen.model.scores import Score, Scores
 from hysgen.model.simulate import HorizonCurve, free_run
 from hysgen.record import Record
@@ -77,7 +79,20 @@ def model() -> Model:
 
 
 def cause(name: str, step: Gain, share: float, **other: Any) -> NamedCause:
-    return NamedCause(name, {}, f"evidence of {name}", 9.0, step, None, 0.987, 20.0, 1.5, share, **other)
+    return NamedCause(
+        name,
+        {},
+        f"evidence of {name}",
+        9.0,
+        step,
+        None,
+        0.987,
+        20.0,
+        1.5,
+        share,
+        (step.before_um, step.after_um),
+        **other,
+    )
 
 
 HUM = cause("periodic", Gain(0.5, 0.2, 0.25, 0.35, 1.0), 0.8, price=Price(40, 24))
@@ -98,6 +113,10 @@ def error_map(scale: float) -> ErrorMap:
     return ErrorMap(scale, 3 * scale, 0.9 * scale, horizon, profiles, Spectrum((5.0, 50.0, 200.0), (0.1, scale, 0.05)))
 
 
+def left(rms_um: float, *taken: Taken) -> Left:
+    return Left(rms_um, rms_um / 0.01, 0.02, "it is the form", taken)
+
+
 def study(*causes: NamedCause, **other: Any) -> Study:
     """The base is wrong by 0.5 um, then by 0.2 and 0.1 um; errors are constant; stroke 8 um; noise 0.01 um."""
     levels = [0.5, *(one.step.after_um for one in causes if one.extended)]
@@ -106,7 +125,8 @@ def study(*causes: NamedCause, **other: Any) -> Study:
     errors = tuple((name, np.full(N, level)) for name, level in zip(names, levels, strict=True))
     values: dict[str, Any] = {
         "causes": causes, "refused": (), "unknown": None, "base": model(), "model": model(), "base_rms_um": levels[0],
-        "extended_rms_um": levels[-1], "noise": NoiseFloor(0.01, "periods", 300), "persistence_um": 0.05,
+        "extended_rms_um": levels[-1], "base_own_um": levels[0], "remaining": left(levels[-1]),
+        "noise": NoiseFloor(0.01, "periods", 300), "persistence_um": 0.05,
         "unexplained_fraction": 0.0396, "abilities": (), "next_experiment": "", "errors_um": errors,
         "held_rows": np.arange(CUT, N),
     }  # fmt: skip
@@ -115,6 +135,7 @@ def study(*causes: NamedCause, **other: Any) -> Study:
 
 
 BOTH = study(HUM, CREEP)
+STEP = Taken("jump", "a step", 0, 0.1)
 RUNS = (
     ComparedRun("made_up", "predict", "random", 700, 3),
     ComparedRun("made_up", "predict", "edges", 300, 3),
@@ -159,26 +180,31 @@ def test_verdict_of_two_causes_states_size_shares_gain_and_price() -> None:
     wrong = "The simulation is wrong by 6.2 % of the stroke: 0.5 um rms in free run, held out; the noise is 0.01 um."
     gain = "in the model: 1.2 %, 0.1 um, 5 times less, for about 33 more cycles a sample and 36 more bytes."
     share = "Of that error (of its power above the noise)"
-    assert words.verdict(BOTH) == [wrong, f"{share} periodic is 80 % and creep is 15 %.", f"With both {gain}"]
+    assert words.verdict(BOTH) == [wrong, f"{share} periodic is 80 % and creep is 15 %.", f"With both {gain}",
+                                    left(0.1).line()]  # fmt: skip
     turned = study(dataclasses.replace(HUM, share=0.1), CREEP, unknown="a jump")
     assert words.verdict(turned)[1:] == [
-        f"{share} creep is 15 % and periodic is 10 %.", f"With both {gain}",
+        f"{share} creep is 15 % and periodic is 10 %.", f"With both {gain}", left(0.1).line(),
         "None of the known causes explains the following: a jump.",
     ]  # fmt: skip
-    small = [dataclasses.replace(CREEP, share=value) for value in (0.004, -0.004, 0.005, -0.005)]
-    ends = ["creep less than 1 %", "creep less than 1 %", "creep is 0 %", "creep adds 0 % here"]
+    small = [dataclasses.replace(CREEP, share=value) for value in (0.004, 0.005)]
+    ends = ["creep less than 1 %", "creep is 0 %"]
     assert [words.verdict(study(HUM, one))[1] for one in small] == [f"{share} periodic is 80 % and {e}." for e in ends]
     assert words.verdict(study(HUM))[2].startswith("With it in the model: 2.5 %, 0.2 um, 2.5 times less, for about 40 ")
-    third = study(HUM, CREEP, dataclasses.replace(CREEP, name="drift", share=-0.12, price=None))
+    third = study(HUM, CREEP, dataclasses.replace(CREEP, name="drift", share=0.02, price=None))
     assert words.verdict(third)[1:] == [
-        f"{share} periodic is 80 %, creep is 15 % and drift adds 12 % here.",
+        f"{share} periodic is 80 %, creep is 15 % and drift is 2 %.",
         "With all of them in the model: 1.2 %, 0.1 um, 5 times less.",
+        left(0.1).line(),
     ]
     assert words.total_price(third) is None
     assert words.total_price(BOTH) == Price(33, 36)
 
 
 def test_verdict_without_an_extension_says_why() -> None:
+    assert words.verdict(study())[0].endswith(
+        "\nLeft: 0.5 um, 50 times the noise; a finer model (the probe) leaves 0.02 um on the same rows: it is the form."
+    )
     assert words.verdict(study())[1:] == [
         "No cause stands out: it is what the paper's model leaves of plain hysteresis, and noise."
     ]
@@ -193,30 +219,29 @@ def test_verdict_without_an_extension_says_why() -> None:
         assert said.startswith("No cause is certain") == far
     lost = dataclasses.replace(HUM, extended=False)
     assert words.verdict(study(lost, unknown="a jump"))[1:] == [
-        "The model written is the paper's: no extension lowers the held-out error for certain.",
-        f"{lost.why_not_extended}.", "None of the known causes explains the following: a jump.",
+        "The model written is the paper's: no extension lowers the error on rows left out of the fit for certain.",
+        left(0.5).line(), f"{lost.why_not_extended}.", "None of the known causes explains the following: a jump.",
     ]  # fmt: skip
     deviation = float(np.std(Y_UM[CUT:]))
     for part, useless in ((0.89, False), (0.91, True)):
-        said = words.verdict(study(extended_rms_um=part * deviation))[1]
+        said = words.verdict(study(remaining=left(part * deviation)))[1]
         assert said.startswith("A constant is as good as every model of the displacement: it does") == useless
     record = Record.from_arrays(U_V, 0.1 * np.roll(np.random.default_rng(3).normal(size=N), 0), TS_S)
     assert "aligned" not in "".join(words.verdict(dataclasses.replace(study(), record=record)))
 
 
 def test_terminal_shows_rows_notes_evidence_and_refusals() -> None:
-    kept = dataclasses.replace(CREEP, beside=Gain(0.2, 0.1, 0.01, 0.02, 1.0))
     abilities = (Ability("drift", "above", 0.5, "um"), Ability("periodic", "named"))
     whole = study(
-        HUM, kept, refused=(Refused("delay", "too short"),), abilities=abilities, held_change="a step",
+        HUM, CREEP, refused=(Refused("delay", "too short"),), abilities=abilities, remaining=left(0.1, STEP),
         next_experiment="rest longer",
     )  # fmt: skip
     blocks = words.diagnosis_text(whole).split("\n\n")
     assert blocks[0] == "a.csv: 360 rows to identify; scores are of the 240 held out"
-    assert blocks[2].splitlines()[-4:] == [
-        "noise floor from repeated periods; gain: fall of the rms, block bootstrap; of the error: share of its power "
-        "above the noise",
-        words.CONFIDENCE, kept.why_kept, "scores: a step",
+    assert blocks[2].splitlines()[-3:] == [
+        "noise floor from repeated periods; own: without what no model can know; gain: fall of own, block bootstrap; "
+        "of the error: share of its power above the noise",
+        words.CONFIDENCE, "taken out of own: a step",
     ]  # fmt: skip
     assert blocks[3].splitlines() == [
         "periodic: evidence of periodic (f 50.000 ± 0.010 Hz, s 2)", "creep: evidence of creep",
@@ -347,13 +372,14 @@ def test_key_figures_are_those_of_the_diagnosis_and_of_its_c() -> None:
     assert shown == {
         f"free run, {BASE}": ("0.5 µm", "6.2 % of the stroke, held out"),
         "free run, extended": ("0.1 µm", "1.2 % of the stroke, held out"),
+        "free run, own": ("0.1 µm", "10 times the noise; probe 0.02 µm"),
         "fit (NRMSE)": (f"{fit:.4g} %", "free run of the model written, held out"),
         "noise floor": ("0.01 µm", "from repeated periods"),
         "price a sample": ("+33 cycles", "+36 bytes; 8 % of a sample in all"),
         "generated C": ("NOT EQUAL", "1050 samples per build"),
     }
     few = {figure.label: figure for figure in key_figures(study(), EQUAL, None)}
-    assert list(few) == [f"free run, {BASE}", "fit (NRMSE)", "noise floor", "generated C"]
+    assert list(few) == [f"free run, {BASE}", "free run, own", "fit (NRMSE)", "noise floor", "generated C"]
     assert few["generated C"].value == "equal bits"
     assert few["fit (NRMSE)"].value == f"{100.0 * (1.0 - 0.5 / float(np.std(Y_UM[CUT:]))):.4g} %"
     assert key_figures(study(HUM), None, None)[-1].note == "+24 bytes"
@@ -367,7 +393,7 @@ def test_key_figures_are_those_of_the_diagnosis_and_of_its_c() -> None:
 def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> None:
     lost = cause("drift", CREEP.step, 0.0, extended=False)
     whole = study(
-        dataclasses.replace(HUM, share=0.1), CREEP, lost, unknown="a jump", held_change="a step",
+        dataclasses.replace(HUM, share=0.1), CREEP, lost, unknown="a jump", remaining=left(0.1, STEP),
         next_experiment="rest longer", refused=(Refused("delay", "too short"),),
         abilities=(Ability("periodic", "named"), Ability("slew", "above", 0.5, "V/s")),
     )  # fmt: skip
@@ -390,7 +416,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     assert [picture.name for picture in causes.pictures] == ["shares"]
     ladder = next(section for title, section in by_title.items() if title.startswith("What each"))
     assert cells(ladder) == whole.ladder()
-    assert ladder.notes[0] == "Scores: a step."
+    assert ladder.notes[:2] == [whole.diagnosis.remaining.line(), "Taken out: a step."]
     assert ladder.notes[-1].startswith("Not explained: 4.0 % of the power")
     where = by_title["Where the error lies"]
     assert where.text[0].startswith("45 % of the power")
@@ -410,7 +436,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     assert facts["sampling period"] == "1000 µs"
     numbers = {table.caption or head: list(table.numbers) for head, one in by_title.items() for table in one.tables}
     assert {name: columns for name, columns in numbers.items() if columns} == {
-        ladder.title: [2, 3, 4, 5, 6, 7, 8], "Cost against budget": [2, 3, 4, 5],
+        ladder.title: [2, 3, 4, 5, 6, 7, 8, 9], "Cost against budget": [2, 3, 4, 5],
         "Generated C against its reference": [3, 4],
     }  # fmt: skip
     empty = {one.title: one for one in diagnosis_page(study(), proof=(EQUAL, COST)).sections}

@@ -232,14 +232,14 @@ def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
     cause = lambda name, **more: SimpleNamespace(name=name, **more)  # noqa: E731
     first = cause("memory", extended=True, step=SimpleNamespace(after_um=3.0))
     second = cause("creep", extended=True, step=SimpleNamespace(after_um=3.5))
-    left = cause("drift", extended=False, beside=SimpleNamespace(before_um=0.5, after_um=0.3))
-    worse = cause("aging", extended=False, beside=SimpleNamespace(before_um=0.3, after_um=0.5))
-    bare = cause("delay", extended=False, beside=None)
+    left = cause("drift", extended=False, alone=SimpleNamespace(before_um=0.5, after_um=0.3))
+    worse = cause("aging", extended=False, alone=SimpleNamespace(before_um=0.3, after_um=0.5))
+    bare = cause("delay", extended=False, alone=None)
     record = stepped([0.0, 1.0, 0.0], [0.0, 1.0, 0.1])
     rows = np.arange(2, 6)
     model = SimpleNamespace(consequents=np.zeros((4, 3)), weights=np.zeros(2))
     diagnosis = SimpleNamespace(
-        held_rows=rows, model=model, noise=NoiseFloor(0.01, "plateaus", 9), base_rms_um=5.0,
+        held_rows=rows, model=model, noise=NoiseFloor(0.01, "plateaus", 9), base_own_um=5.0,
         errors_um=[("", base), ("memory", one), ("creep", two)], causes=(first, second, left, worse, bare),
     )  # fmt: skip
     study = cast(Study, SimpleNamespace(diagnosis=diagnosis, record=record, cut=100, extended=(first, second)))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain
+from hysgen.diagnosis.remaining import Left
 from hysgen.model.model import Model
 from hysgen.record.noise import NoiseFloor
 
@@ -32,15 +33,15 @@ class NamedCause:
     """A cause of the probe's chain with the least score.
 
     evidence: in words. statistic: strength of the evidence in standard errors or their equivalent (`Signature.z`).
-    step: held-out rms on the ladder before and after its extension.
+    step: held-out rms on the ladder before and after its extension, in the model's own figure; cold_um: the cold one.
     alone: gain of its extension beside all others, on cross-validation blocks; None for corrupted samples, on which the
     error has no meaning.
     confidence: posterior probability of the cause over the chains that the search scored. bayes: rise of the score
     without the cause, 2 ln of the Bayes factor. probe_gain: ratio of the probe's rms beyond the white noise without and
     with the cause. All three are None for corrupted samples, which are no part of the probe's chain.
-    share: part of the base error's power above the noise floor that its extension removes; 0 if no power is above it.
-    extended: whether its extension is in the model; one that does not lower the held-out error for certain is not.
-    beside: held-out gain of the extension beside all others, where its step left it in doubt (`ladder`), else None.
+    share: part of the base error's power above the noise floor that its extension removes, split jointly
+    (`joint_shares`); 0 if no power is above it.
+    extended: whether its extension is in the model; one that gains too little on rows left out of the fit is not.
     """
 
     name: str
@@ -53,32 +54,16 @@ class NamedCause:
     bayes: float | None
     probe_gain: float | None
     share: float
+    cold_um: tuple[float, float]
     price: Price | None = None
     extended: bool = True
-    beside: Gain | None = None
 
     @property
     def why_not_extended(self) -> str:
         """The reason why its extension is not in the model, "" if it is."""
         if self.extended:
             return ""
-        if self.beside is None:
-            return (
-                f"{self.name} is named and not extended: its extension gains less than 2 % on rows left out of the fit"
-            )
-        low, high = self.beside.low_um, self.beside.high_um
-        return (
-            f"{self.name} is named and not extended: with its extension the held-out error falls by "
-            f"{low:.3g} .. {high:.3g} um (95 %); --keep-all keeps it"
-        )
-
-    @property
-    def why_kept(self) -> str:
-        """The reason why its extension is in the model though its step is in doubt, "" if it is not."""
-        if not self.extended or self.beside is None:
-            return ""
-        low, high = self.beside.low_um, self.beside.high_um
-        return f"{self.name} gains {low:.3g} .. {high:.3g} um (95 %) beside the others, so it is kept"
+        return f"{self.name} is named and not extended: its extension gains less than 2 % on rows left out of the fit"
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values (docs/diagnosis.md); null where a quantity does not exist or is not finite.
@@ -97,13 +82,13 @@ class NamedCause:
                 "free_run_rms_before": self.step.before_um,
                 "free_run_rms_after": self.step.after_um,
                 "ci95": [self.step.low_um, self.step.high_um],
+                "cold_before": self.cold_um[0],
+                "cold_after": self.cold_um[1],
                 "alone": None if alone is None else {"fall_um": alone.fall_um, "ci95": [alone.low_um, alone.high_um]},
             },
             "share": self.share,
             "extended": self.extended,
-            "held_out_beside_others": None
-            if self.beside is None
-            else {"fall_um": self.beside.fall_um, "ci95": [self.beside.low_um, self.beside.high_um]},
+            "held_out_beside_others": None,
             "probe_gain": self.probe_gain,
             "log_bayes_factor": None if self.bayes is None else 0.5 * self.bayes,
             "separated_by_likelihood": self.bayes is not None,
@@ -125,12 +110,12 @@ class Diagnosis:
 
     causes: in the order of the ladder. unknown: unexplained structure in the probe's residual in words, or None.
     base, model: the paper's model and the extended one. errors_um: name and free-run error, (n,), of each rung.
-    base_rms_um, extended_rms_um: free-run rms of the first and of the last rung on the held-out rows `held_rows`.
+    base_rms_um, extended_rms_um: free-run rms of the first and of the last rung on the held-out rows `held_rows`, cold.
+    base_own_um: the own figure of the first rung; remaining: that of the last, and why it is no smaller.
     persistence_um: rms of the one-step error of y(k+1) = y(k), held out. probe_rms_um: of the probe on its fitted rows.
     unexplained_fraction: part of the base error's power above the noise floor that remains; 0 if no power is above it.
     abilities: for every cause, whether this record could show it, from which size on, and what hides it.
     next_experiment: excitation that distinguishes causes which this record cannot distinguish; may be empty.
-    held_change: the sudden change in the held-out rows that spoils the scores, in words; empty if there is none.
     """
 
     causes: tuple[NamedCause, ...]
@@ -140,6 +125,8 @@ class Diagnosis:
     model: Model
     base_rms_um: float
     extended_rms_um: float
+    base_own_um: float
+    remaining: Left
     noise: NoiseFloor
     persistence_um: float
     unexplained_fraction: float
@@ -148,7 +135,6 @@ class Diagnosis:
     errors_um: tuple[tuple[str, Floats], ...] = field(repr=False)
     held_rows: NDArray[np.intp] = field(repr=False)
     probe_rms_um: float = math.nan
-    held_change: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -178,15 +164,28 @@ class Diagnosis:
                 "persistence_one_step": self.persistence_um,
                 "unit": "um",
             },
+            "remaining": self.remaining.to_json() | {"base_rms_um": self.base_own_um},
+            "scored_rows": row_ranges(self.held_rows),
             "noise_floor_from": self.noise.source,
             "unexplained_fraction": self.unexplained_fraction,
             "next_experiment": self.next_experiment,
-            "held_change": self.held_change,
+            "held_change": self.remaining.sudden,
             "could_show": [ability.to_json() for ability in self.abilities],
             "not_named": [{"name": refused.name, "why": refused.why} for refused in self.refused],
             "probe_rms_um": _finite(self.probe_rms_um),
             "missing_certificates": list(self.missing_certificates),
         }
+
+
+def row_ranges(rows: NDArray[np.intp]) -> list[list[int]]:
+    """First row and row behind the last of each run of consecutive rows.
+
+    >>> row_ranges(np.array([3, 4, 5, 9]))
+    [[3, 6], [9, 10]]
+    """
+    ends = np.flatnonzero(np.diff(rows) > 1)
+    firsts, lasts = rows[np.concatenate([[0], ends + 1])], rows[np.concatenate([ends, [len(rows) - 1]])]
+    return [[int(first), int(last) + 1] for first, last in zip(firsts, lasts, strict=True)]
 
 
 def _finite(value: float) -> float | None:

@@ -36,7 +36,17 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-LADDER = ("step", "free run um", "of stroke", "gain um, 95 %", "of the error", "cycles", "bytes", "confidence")
+LADDER = (
+    "step",
+    "free run um",
+    "of stroke",
+    "own um",
+    "gain um, 95 %",
+    "of the error",
+    "cycles",
+    "bytes",
+    "confidence",
+)
 """Column heads of `Study.ladder`."""
 
 
@@ -86,13 +96,13 @@ class Study(Displayed):
         diagnosis = self.diagnosis
         named = ", ".join(self.names) or "no cause"
         notes = [f"{cause.name}: {cause.evidence}" for cause in diagnosis.causes]
-        reasons = [cause.why_not_extended or cause.why_kept for cause in diagnosis.causes]
+        reasons = [cause.why_not_extended for cause in diagnosis.causes]
         notes += [reason for reason in reasons if reason]
         if diagnosis.missing_certificates:
             notes.append(f"not certified in the extended model: {', '.join(diagnosis.missing_certificates)}")
         notes += [f"could show {one.name}: {one.text()}" for one in diagnosis.abilities if one.verdict != "named"]
         notes += [f"unknown: {diagnosis.unknown}"] if diagnosis.unknown else []
-        notes += [f"scores: {diagnosis.held_change}"] if diagnosis.held_change else []
+        notes.append(diagnosis.remaining.line())
         notes += [f"next experiment: {diagnosis.next_experiment}"] if diagnosis.next_experiment else []
         return Summary(f"Diagnosis of {self.record.source}: {named}", LADDER, self.ladder(), notes)
 
@@ -102,13 +112,14 @@ class Study(Displayed):
         The free-run errors are held out. Shown by the terminal, by notebooks and by the report.
         """
         diagnosis = self.diagnosis
-        rows = [["paper's model", *self._size(diagnosis.base_rms_um), *[""] * 5]]
+        rows = [["paper's model", *self._size(diagnosis.base_rms_um), f"{diagnosis.base_own_um:.4g}", *[""] * 5]]
         for cause in self.extended:
             price = cause.price
             rows.append(
                 [
                     f"+ {cause.name}",
-                    *self._size(cause.step.after_um),
+                    *self._size(cause.cold_um[1]),
+                    f"{cause.step.after_um:.4g}",
                     f"{cause.step.low_um:.3g} .. {cause.step.high_um:.3g}",
                     share_text(cause),
                     f"{price.cycles:+}" if price and price.cycles else "",
@@ -116,7 +127,7 @@ class Study(Displayed):
                     confidence_text(cause),
                 ]
             )
-        return [*rows, ["noise floor", *self._size(diagnosis.noise.rms_um), *[""] * 5]]
+        return [*rows, ["noise floor", *self._size(diagnosis.noise.rms_um), *[""] * 6]]
 
     @property
     def improved(self) -> bool:

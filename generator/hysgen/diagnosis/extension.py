@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from hysgen.fitting.operator import PathSize
 from hysgen.model.disturbances import Term
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.remaining import Named
 from hysgen.record import Segment
 
 Floats = NDArray[np.float64]
@@ -25,6 +27,10 @@ class Correction(abc.ABC):
     @abc.abstractmethod
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
         """(n,) displacement y_um without the slow change [um]; t_s: (n,) time since the start of the segment."""
+
+    def course(self, t_s: Floats, predicted_um: Floats) -> Floats:
+        """(n,) the change with size 1: its size in another record is unknown. predicted_um: (n,) of a model."""
+        return -self.removed(np.zeros(len(t_s)), t_s)
 
     def online_term(self, model: Model, span_s: float) -> Term | None:
         """The term with weight 1 that follows the slow change in operation, or None. span_s: length of the record."""
@@ -77,3 +83,12 @@ class Extension:
     def learns(self) -> bool:
         """Whether the extension requires a learner."""
         return self.gate or self.forgetting_s is not None
+
+
+def named_by(extensions: Mapping[str, Extension]) -> Named:
+    """What the extensions of causes, by name, say of a record that no model can know before it."""
+    blocks = [e.block for e in extensions.values() if e.block is not None and e.block.responds]
+    lines_Hz = [f_Hz for e in extensions.values() if isinstance(e.term, Periodic) for f_Hz in e.term.f_Hz]
+    courses = [(name, e.correction.course) for name, e in extensions.items() if e.correction is not None]
+    responds = bool(blocks) or any(e.size is not None for e in extensions.values())
+    return Named(tuple(blocks), tuple(lines_Hz), tuple(courses), responds)

@@ -3,13 +3,13 @@
     rung 0   the paper's model
     rung i   the model with the extensions of the first i causes, fitted again to the identification part
 
-All rungs are scored in free run on the same rows. The gain of one cause beside all others is the rise of the error if
-its extension is left out. It is measured by cross-validation: each third of the blocks of the identification part in
-turn is left out of the fit and scored.
+All rungs are scored in free run on the same rows, cold and by the model's own figure (`left_by`). The gain of a cause
+is measured in the second, beside all others by cross-validation: it is the rise of the error if its extension is left
+out, on each third of the blocks of the identification part, which in turn is left out of the fit and scored.
 
 The gain of an extension depends on the extensions before it in the ladder: a delay in front of the memory may gain
-nothing, and much behind it. So an extension whose step lies across or below zero is compared once more beside all
-others, by a fit of the whole set without it.
+nothing, and much behind it. Rungs that do not lower the error are therefore taken together with the next that does
+(`joint_shares`). Held-out rows choose nothing.
 
 Sources: Kuensch (1989), moving blocks; Politis and Romano (1992), circular blocks.
 """
@@ -18,20 +18,20 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import in_ladder_order
-from hysgen.diagnosis.extension import Extension, corrected
+from hysgen.diagnosis.extension import Extension, corrected, named_by
 from hysgen.diagnosis.prepare import Prepared, predicted_range_um
 from hysgen.errors import FitError
 from hysgen.fitting import (
     FitSettings,
     PathColumns,
-    estimate_starts,
     fit,
     fit_path,
     known_past,
@@ -42,6 +42,7 @@ from hysgen.fitting import (
 from hysgen.machine.processes import in_processes
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.remaining import Remaining, take_out
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 
@@ -100,13 +101,13 @@ def fit_ladder(
         weights = known_past(part, weights)
         # A cross-validation compares paths: the rules behind them stay one lag.
         model = path_model(problem, weights) if skip is not None else fit_path(problem, extended, weights)
-        return _rung(names, model, level, prepared.unscored)
+        return _rung(names, model, level)
     try:
         model = fit(part, extended, trust=weights)
     except FitError:
         # If the certified fit fails, an uncertified fit still measures the gain of the extension.
         model = fit(part, dataclasses.replace(extended, certified=False), trust=weights)
-    return _rung(names, model, level, prepared.unscored)
+    return _rung(names, model, level)
 
 
 def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: FitSettings, level: Record) -> PathColumns:
@@ -124,14 +125,26 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust)))
 
 
-def _rung(names: Sequence[str], model: Model, level: Record, unscored: Sequence[int]) -> Rung:
-    """The rung of a model, with its free-run error over all rows of the record without slow changes.
-
-    unscored: rows of each segment from which its initial state is estimated (`estimate_starts`).
-    """
-    runs = free_run(model, level, estimate_starts(model, level, unscored))
+def _rung(names: Sequence[str], model: Model, level: Record) -> Rung:
+    """The rung of a model, with its free-run error over all rows of the record without slow changes."""
+    runs = free_run(model, level)
     error = np.concatenate([run.y_um - s.y_um for run, s in zip(runs, level.segments, strict=True)])
     return Rung(tuple(in_ladder_order(names)), model, error)
+
+
+def left_by(
+    prepared: Prepared, extensions: Mapping[str, Extension], error_um: Floats, beside: Remaining | None = None
+) -> Remaining:
+    """What a model leaves of the held-out rows without what no model can know, as far as its extensions name it.
+
+    error_um: (n,) yhat - y over all rows, of a model with these extensions. beside: as for `take_out`.
+    """
+    record = levelled(prepared, list(extensions.values()))
+    lengths = [segment.samples for segment in record.segments]
+    held = np.isin(np.arange(record.samples), prepared.held_rows)
+    measured = [segment.y_um for segment in record.segments]
+    errors, scored = np.split(error_um, np.cumsum(lengths)[:-1]), np.split(held, np.cumsum(lengths)[:-1])
+    return take_out(errors, measured, scored, record.Ts_s, named_by(extensions), beside)
 
 
 def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:
@@ -286,44 +299,18 @@ def _block_means(values: Floats, length: int) -> Floats:
     return np.asarray((sums[length:] - sums[:-length]) / length)
 
 
-@dataclass(frozen=True)
-class Pruned:
-    """kept: extensions in ladder order. rungs: their ladder. beside: held-out gain beside the others."""
+def joint_shares(powers: Sequence[float], alone: Sequence[float]) -> list[float]:
+    """The part of each of m extensions in the fall from the first of m + 1 powers to the last, in um^2, none below 0.
 
-    kept: list[str]
-    rungs: list[Rung]
-    beside: dict[str, Gain]
-
-
-def prune(rungs: Sequence[Rung], names: Sequence[str], rows: Rows, fit: Callable[[Sequence[str]], Rung]) -> Pruned:
-    """The ladder without extensions whose 95 % interval of the gain lies across or below zero.
-
-    rungs: of the first 0, 1, 2, ... of `names`. rows: the held-out rows that are scored. fit: the rung of a set of
-    extensions. If the last rung does not lower the error of the first for certain, no extension is kept.
+    With L_i = min(P_0, max of P_i .. P_m), a rung lowers the power by L_(i-1) - L_i. A rung that lowers nothing is
+    taken together with the next that does, or with those before it at the end of the ladder: their fall is split in
+    proportion to what each removes beside all others, alone: (m,).
     """
-    kept, beside = list(names), {}
-
-    def gained(before: Rung, after: Rung) -> Gain:
-        return gain(before.error_um[rows], after.error_um[rows])
-
-    doubtful = [
-        name
-        for name, before, after in zip(names, rungs, rungs[1:], strict=False)
-        if gained(before, after).low_um <= 0.0
-    ]
-    whole = rungs[-1]
-    for name in reversed(doubtful):
-        rest = [other for other in kept if other != name]
-        without = rungs[0] if not rest else fit(rest)
-        beside[name] = gained(without, whole)
-        if beside[name].low_um <= 0.0:
-            kept, whole = rest, without
-    if kept and gained(rungs[0], whole).low_um <= 0.0:
-        beside.update({name: gained(rungs[0], whole) for name in kept if name not in beside})
-        kept = []
-    known = {rung.causes: rung for rung in (*rungs, whole)}
-    ladder = []
-    for count in range(len(kept) + 1):
-        part = tuple(kept[:count])
-        ladder.append(known[part] if part in known else fit(part))
-    return Pruned(kept, ladder, beside)
+    levels = np.minimum(powers[0], np.maximum.accumulate(np.asarray(powers)[::-1])[::-1])
+    falls = -np.diff(levels)
+    ends = np.flatnonzero(falls > 0.0) + 1
+    found = np.zeros(len(alone))
+    for first, end in itertools.pairwise([0, *ends.tolist()[:-1], len(alone)] if ends.size else [0]):
+        weights = np.maximum(alone[first:end], 0.0) + 1e-300
+        found[first:end] = falls[first:end].sum() * weights / weights.sum()
+    return [float(part) for part in found]

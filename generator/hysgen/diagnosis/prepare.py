@@ -10,7 +10,6 @@ the lag forgets it exponentially after that.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -129,16 +128,6 @@ class Prepared:
     def held_rows(self) -> Rows:
         """Rows of the held-out part that are scored."""
         return self.cut + np.flatnonzero(self.use[self.cut :] >= Use.MODEL)
-
-    @cached_property
-    def unscored(self) -> list[int]:
-        """Rows of each held-out segment before the first that is scored: they show what the stage remembers.
-
-        0 for a segment of the identification part, whose offset is fitted.
-        """
-        ends = np.cumsum([0, *(segment.samples for segment in self.record.segments)])
-        firsts = [int(np.argmax(self.use[a:b] >= Use.MODEL)) for a, b in itertools.pairwise(ends)]
-        return [first if start >= self.cut else 0 for first, start in zip(firsts, ends[:-1].tolist(), strict=True)]
 
     @property
     def y_um(self) -> Floats:
@@ -259,11 +248,10 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
             "record longer, or use more rows"
         )
     covered = [_range_covered(segment) for segment in joined.segments]
-    if holdout is not None and joined.samples > cut:
-        firsts = np.cumsum([0, *(segment.samples for segment in joined.segments)])
-        for at, (first, segment) in enumerate(zip(firsts.tolist(), joined.segments, strict=False)):
-            if first >= cut and not past[at]:
-                covered[at] = max(covered[at], _past_forgotten(segment, joined.u_range_V))
+    for at, segment in enumerate(joined.segments):
+        # In the first segment, a play that its rows do not move is a constant of the fit; after a pause it is not.
+        if at and not past[at]:
+            covered[at] = max(covered[at], _past_forgotten(segment, joined.u_range_V))
     known_past = _rows_from(joined, covered)
     rows = np.flatnonzero(known_past[:cut])
     if rows.size < FEWEST // 2:

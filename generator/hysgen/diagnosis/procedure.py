@@ -15,21 +15,21 @@ from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import extensions_for, with_best_forms
-from hysgen.diagnosis.heldout_jumps import change_in_held_rows
 from hysgen.diagnosis.identifiability import Ability, abilities, next_experiment, unexplained_structure
 from hysgen.diagnosis.ladder import (
     Gain,
-    Pruned,
     Rung,
     add_online_parts,
     checked_errors,
     combined_confidence,
     fit_ladder,
     gain,
-    prune,
+    joint_shares,
+    left_by,
 )
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
+from hysgen.diagnosis.remaining import left_over
 from hysgen.diagnosis.score import LEAST_EVIDENCE, present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
@@ -37,9 +37,9 @@ from hysgen.machine.checkpoint import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
+from hysgen.model.remaining import Remaining
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor, residual_noise_floor
-from hysgen.record.outlier_detection import outlier_flags
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -67,7 +67,7 @@ class DiagnoseSettings:
     identify: share of a single record that is used for identification.
     resume: keep the fits of the search, which takes most of the time, until the diagnosis is done, so that an
     interrupted one goes on there.
-    keep_all: keep extensions that do not lower the error on the held-out rows for certain (`ladder`).
+    keep_all: make the extension of every named cause, also where it gains less than LEAST_FALL on blocks left out.
     price: function for the cycles and bytes of a model, None if unknown (`hysgen.report.words.price_of`).
     """
 
@@ -136,24 +136,21 @@ def diagnose(
     report = progress or (lambda fraction, line: None)
     naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
     inputs = _inputs(naming.prepared)
-    kept = steps(inputs, SOURCES) if chosen.resume else None
-    held_change = change_in_held_rows(naming.prepared, naming.found.fit.chain, kept)
     naming = dataclasses.replace(naming, prepared=naming.prepared.without(_unpredictable(naming)))
     report(0.7, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
     report(0.8, "measuring what each extension gains")
     made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
+    made = list(naming.agreed) if chosen.keep_all else made
     report(0.85, "fitting rules, " + ", ".join(made))
     fit_rung = functools.partial(_rung, naming, chosen.fit)
-    ladder = Pruned(made, in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len), {})
-    if not chosen.keep_all:
-        report(0.95, "checking each extension on the held-out rows")
-        ladder = prune(ladder.rungs, made, _clean_held_rows(naming, made, ladder.rungs[-1]), fit_rung)
+    rungs = in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len)
+    report(0.95, "measuring what is left of the held-out rows")
     report(1.0, "done")
     if chosen.resume:
         forget(inputs, SOURCES)
-    return dataclasses.replace(_scored(naming, alone, ladder, chosen), held_change=held_change)
+    return _scored(naming, alone, made, rungs, chosen)
 
 
 @one_blas_thread()
@@ -300,22 +297,24 @@ def _gains_beside_others(
     return gains
 
 
-def _clean_held_rows(naming: Naming, made: Sequence[str], last: Rung) -> NDArray[np.intp]:
-    """The held-out rows that are scored, without corrupted samples if an extension rejects them."""
-    held = naming.prepared.held_rows
-    gated = any(naming.extensions[name].gate for name in made)
-    return held[~outlier_flags(last.error_um)[held]] if gated else held
-
-
-def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: DiagnoseSettings) -> Diagnosis:
+def _scored(
+    naming: Naming, alone: dict[str, Gain], made: list[str], rungs: Sequence[Rung], settings: DiagnoseSettings
+) -> Diagnosis:
     """The diagnosis with all scores on held-out rows. alone: of `_worth_extending`."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
-    made, rungs = ladder.kept, ladder.rungs
     held = prepared.held_rows
-    gated = {name for name in made if naming.extensions[name].gate}
-    clean = _clean_held_rows(naming, made, rungs[-1])
-    levels = [rms(rung.error_um[clean if gated & set(rung.causes) else held]) for rung in rungs]
+    found = _left_by_rungs(naming, rungs)
+    counted = np.concatenate(found[-1].counted)
+    gates = [any(naming.extensions[name].gate for name in rung.causes) for rung in rungs]
+    clean = np.flatnonzero(counted)
+    own_um = [np.concatenate(left.error_um) for left in found]
+    cold = [rms(rung.error_um[clean if gate else held]) for rung, gate in zip(rungs, gates, strict=True)]
+    # Wrong readings count until a rung rejects them.
+    rows = [clean if gate or not any(gates) else held for gate in gates]
+    levels = [rms(error[chosen]) for error, chosen in zip(own_um, rows, strict=True)]
     above = levels[0] ** 2 - noise.rms_um**2
+    removed = [alone[name].before_um ** 2 - alone[name].after_um ** 2 if name in alone else 0.0 for name in made]
+    parts = dict(zip(made, joint_shares([level**2 for level in levels], removed), strict=True))
     span_s = naming.found.scene.span_s
     running = [
         add_online_parts(rung.model, [extensions[name] for name in rung.causes], span_s, noise.rms_um)
@@ -332,7 +331,7 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         # A cause without extension adds no rung.
         i = sum(other in made for other in agreed[: agreed.index(name)])
         j = i + (name in made)
-        step = gain(rungs[i].error_um[clean], rungs[j].error_um[clean])
+        step = gain(own_um[i][clean], own_um[j][clean])
         step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
         named.append(
             NamedCause(
@@ -342,11 +341,11 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
                 statistic=naming.signatures[name].z,
                 step=step,
                 alone=alone.get(name),
-                beside=ladder.beside.get(name),
+                cold_um=(cold[i], cold[j]),
                 confidence=naming.found.confidence.get(name) if name in naming.found.bayes else None,
                 bayes=naming.found.bayes.get(name),
                 probe_gain=naming.found.error_growth.get(name),
-                share=(levels[i] ** 2 - levels[j] ** 2) / above if above > 0.0 else 0.0,
+                share=parts.get(name, 0.0) / above if above > 0.0 else 0.0,
                 price=_difference(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
             )
@@ -362,8 +361,10 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         unknown=naming.unknown,
         base=rungs[0].model,
         model=running[-1],
-        base_rms_um=levels[0],
-        extended_rms_um=levels[-1],
+        base_rms_um=cold[0],
+        extended_rms_um=cold[-1],
+        base_own_um=levels[0],
+        remaining=left_over(prepared, naming.found.fit.chain, naming.extensions, found[-1], noise.rms_um),
         noise=noise,
         persistence_um=rms(steps[held]),
         unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above if above > 0.0 else 0.0,
@@ -373,6 +374,18 @@ def _scored(naming: Naming, alone: dict[str, Gain], ladder: Pruned, settings: Di
         held_rows=held,
         probe_rms_um=naming.whole.fit.rms_um,
     )
+
+
+def _left_by_rungs(naming: Naming, rungs: Sequence[Rung]) -> list[Remaining]:
+    """`left_by` of every rung; wrong readings and sudden changes of the record are those that the last one shows."""
+
+    def left(rung: Rung, beside: Remaining | None) -> Remaining:
+        extensions = _extensions_for(naming, rung.causes)
+        own = {name: extensions[name] for name in rung.causes}
+        return left_by(naming.prepared, own, rung.error_um, beside)
+
+    last = left(rungs[-1], None)
+    return [*(left(rung, last) for rung in rungs[:-1]), last]
 
 
 def _difference(before: Price | None, after: Price | None) -> Price | None:

@@ -69,19 +69,22 @@ class Named:
     """What may be taken out of the error of a model.
 
     blocks: its path, whose state before the record is unknown. lines_Hz: its disturbing lines. courses: the slow
-    changes of the displacement, by the cause that names them.
+    changes of the displacement, by the cause that names them. level: whether its level is that of the record it was
+    fitted to, as that of a path is, and no state that the rules forget.
     """
 
     blocks: tuple[InputBlock, ...] = ()
     lines_Hz: tuple[float, ...] = ()
     courses: tuple[tuple[str, Course], ...] = ()
+    level: bool = False
 
     @classmethod
     def of(cls, model: Model) -> Self:
         """What a model names itself."""
         lines = (term.f_Hz for term in model.terms if isinstance(term, Periodic))
         drifts = tuple(("drift", ramp) for term in model.terms if isinstance(term, Drift))
-        return cls(tuple(block for block in model.blocks if block.responds), next(lines, ()), drifts)
+        blocks = tuple(block for block in model.blocks if block.responds)
+        return cls(blocks, next(lines, ()), drifts, bool(blocks))
 
 
 def ramp(t_s: Floats, predicted_um: Floats) -> Floats:
@@ -105,15 +108,19 @@ class Taken:
 
 @dataclass(frozen=True, eq=False)
 class Remaining:
-    """Per segment: error_um, (n,) yhat - y without what was taken out; counted, (n,) flags of the rows that count."""
+    """Per segment: error_um, (n,) yhat - y without what was taken out; counted, (n,) flags of the rows that count.
+
+    sudden_um: (n,) course of the jumps and steps of the gain among what was taken out.
+    """
 
     error_um: tuple[Floats, ...]
     counted: tuple[Flags, ...]
+    sudden_um: tuple[Floats, ...]
     taken: tuple[Taken, ...]
 
     @property
     def rms_um(self) -> float:
-        """Rms of the error on the rows that count."""
+        """Rms of the error on the rows that count; NaN if there are none."""
         left = np.concatenate([error[rows] for error, rows in zip(self.error_um, self.counted, strict=True)])
         return math.sqrt(float(np.mean(left * left))) if left.size else math.nan
 
@@ -149,40 +156,67 @@ class _Group:
 
 
 def take_out(
-    error_um: Sequence[Floats], y_um: Sequence[Floats], scored: Sequence[Flags], Ts_s: float, named: Named
+    error_um: Sequence[Floats],
+    y_um: Sequence[Floats],
+    scored: Sequence[Flags],
+    Ts_s: float,
+    named: Named,
+    beside: Remaining | None = None,
 ) -> Remaining:
     """What a model leaves of every segment without what no model can know before it.
 
     error_um: (n,) yhat - y; y_um: (n,) measured; scored: (n,) its scored rows, of each segment. Other rows keep their
-    error and do not count.
+    error and do not count. beside: what another model leaves of the same rows; its wrong readings and sudden changes
+    are those of the record, and no others are searched for.
     """
-    left, counted, taken = [], [], list[Taken]()
-    for number, (error, measured_um, rows) in enumerate(zip(error_um, y_um, scored, strict=True)):
-        own, counts = error.copy(), rows.copy()
-        at = np.flatnonzero(rows)
-        if at.size >= FEWEST:
-            wrong = at[outlier_flags(error[at], resolution_um(measured_um[at]), (measured_um + error)[at])]
-            counts[wrong] = False
-            at = np.flatnonzero(counts)
-            if wrong.size:
-                rms_um = math.sqrt(float(error[wrong] @ error[wrong]) / (at.size + wrong.size))
-                taken.append(Taken("outliers", f"{wrong.size} wrong readings", number, rms_um, tuple(wrong.tolist())))
-            t_s: Floats = Ts_s * at.astype(np.float64)
-            predicted_um = (measured_um + error)[at]
-            groups = _supported(-error[at], _groups(named, t_s, predicted_um), t_s, predicted_um)
-            for group, part in zip(groups, _amounts(-error[at], groups), strict=True):
-                course = part @ group.columns
-                own[at] += course
-                taken.append(Taken(group.cause, group.text(part), number, float(np.sqrt(np.mean(course * course)))))
-        left.append(own)
-        counted.append(counts)
-    return Remaining(tuple(left), tuple(counted), tuple(taken))
+    parts = [
+        _left_of_segment(number, error, measured_um, rows, Ts_s, named, beside)
+        for number, (error, measured_um, rows) in enumerate(zip(error_um, y_um, scored, strict=True))
+    ]
+    return Remaining(
+        tuple(part.error_um[0] for part in parts),
+        tuple(part.counted[0] for part in parts),
+        tuple(part.sudden_um[0] for part in parts),
+        tuple(taken for part in parts for taken in part.taken),
+    )
+
+
+def _left_of_segment(
+    number: int, error: Floats, measured_um: Floats, rows: Flags, Ts_s: float, named: Named, beside: Remaining | None
+) -> Remaining:
+    """`take_out` of one segment."""
+    own, counts, sudden, taken = error.copy(), rows.copy(), np.zeros(error.size), list[Taken]()
+    at = np.flatnonzero(rows)
+    if at.size < FEWEST:
+        return Remaining((own,), (counts,), (sudden,), ())
+    if beside is None:
+        wrong = at[outlier_flags(error[at], resolution_um(measured_um[at]), (measured_um + error)[at])]
+    else:
+        wrong = at[~beside.counted[number][at]]
+        sudden = beside.sudden_um[number]
+        own += sudden
+    counts[wrong] = False
+    at = np.flatnonzero(counts)
+    if wrong.size:
+        rms_um = math.sqrt(float(error[wrong] @ error[wrong]) / (at.size + wrong.size))
+        taken.append(Taken("outliers", f"{wrong.size} wrong readings", number, rms_um, tuple(wrong.tolist())))
+    t_s: Floats = Ts_s * at.astype(np.float64)
+    left_um, predicted_um = -own[at], (measured_um + error)[at]
+    groups = _supported(left_um, _groups(named, t_s, predicted_um), t_s, predicted_um, beside is None)
+    for group, part in zip(groups, _amounts(left_um, groups), strict=True):
+        course = part @ group.columns
+        own[at] += course
+        if group.at is not None:
+            sudden[at] += course
+        text = group.text(part) + (f" (segment {number})" if number else "")
+        taken.append(Taken(group.cause, text, number, float(np.sqrt(np.mean(course * course)))))
+    return Remaining((own,), (counts,), (sudden,), tuple(taken))
 
 
 def _groups(named: Named, t_s: Floats, predicted_um: Floats) -> list[_Group]:
     """The groups of columns that are named, on rows at t_s after the start of a segment."""
     groups = []
-    if named.blocks or named.courses:
+    if named.level or named.blocks or named.courses:
         # The sensor's zero may have moved; a free response that fades within a row shows nothing.
         past = [np.ones(t_s.size), *(column for block in named.blocks for column in block.free_responses(t_s))]
         shown = [column for column in past if np.abs(column).sum() > 1.0]
@@ -196,9 +230,9 @@ def _groups(named: Named, t_s: Floats, predicted_um: Floats) -> list[_Group]:
     return groups
 
 
-def _supported(y_um: Floats, groups: list[_Group], t_s: Floats, predicted_um: Floats) -> list[_Group]:
-    """The groups with evidence, and the sudden changes that the rows show beside them."""
-    for _ in range(MOST_CHANGES):
+def _supported(y_um: Floats, groups: list[_Group], t_s: Floats, predicted_um: Floats, changes: bool) -> list[_Group]:
+    """The groups with evidence, and, if `changes`, the sudden changes that the rows show beside them."""
+    for _ in range(MOST_CHANGES if changes else 0):
         change = _best_change(y_um, groups, t_s, predicted_um)
         if change is None:
             break

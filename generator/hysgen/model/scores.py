@@ -228,9 +228,8 @@ OWN = "free run, own"
 
 
 def describe_taken(taken: Sequence[Taken]) -> str:
-    """What was taken out of a free run, as a phrase for people; the segment is named from the second one on."""
-    parts = [part.text + (f" (segment {part.segment})" if part.segment else "") for part in taken]
-    return "without what no model can know before the record: " + ("; ".join(parts) or "nothing found")
+    """What was taken out of a free run, as a phrase for people."""
+    return "without what no model can know before the record: " + ("; ".join(p.text for p in taken) or "nothing found")
 
 
 def taken_json(taken: Taken) -> dict[str, Any]:

@@ -99,6 +99,14 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     if study.improved:
         extended = diagnosis.extended_rms_um
         figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
+    own = diagnosis.remaining
+    figures.append(
+        KeyFigure(
+            "free run, own",
+            f"{own.rms_um:.3g} µm",
+            f"{own.in_noise:.3g} times the noise; probe {own.probe_rms_um:.3g} µm",
+        )
+    )
     figures.append(KeyFigure("fit (NRMSE)", f"{percent:.4g} %", "free run of the model written, held out"))
     figures.append(KeyFigure("noise floor", f"{diagnosis.noise.rms_um:.2g} µm", f"from {diagnosis.noise.source}"))
     total = total_price(study)
@@ -200,11 +208,12 @@ def _ladder(drawn: dict[str, Picture], study: Study) -> PageSection:
         pictures=[drawn["ladder"]],
         tables=[PageTable(LADDER, study.ladder(), left=1)],
         notes=[
-            *(f"{cause.why_kept}." for cause in diagnosis.causes if cause.why_kept),
-            *([f"Scores: {diagnosis.held_change}."] if diagnosis.held_change else []),
-            f"Free run over the held-out part; noise floor from {diagnosis.noise.source}. Gain: fall of the rms, 95 % "
-            "interval by block bootstrap. Bar: this interval, from the point to the right; where the bar reaches left "
-            "of the point, the gain of the step is not certain. Of the error: share of its power above the noise. "
+            diagnosis.remaining.line(),
+            *(f"Taken out: {taken.text}." for taken in diagnosis.remaining.taken),
+            f"Free run over the held-out part; noise floor from {diagnosis.noise.source}. Own: without what no model "
+            "can know. Gain: fall of own, 95 % interval by block bootstrap. Bar: this interval, from the point to the "
+            "right; where the bar reaches left of the point, the gain of the step is not certain. Of the error: share "
+            "of its power above the noise. "
             "Cycles: estimated, of the dearest of predict, simulate and inverse.",
             f"Not explained: {100 * diagnosis.unexplained_fraction:.1f} % of the power of the error of the paper's "
             "model above the noise.",

@@ -35,6 +35,9 @@ UNITS = {
 }
 """Unit by the end of a parameter's name, the longest first."""
 
+COLD_AS_OWN = 1.05
+"""Cold error over the model's own up to which the verdict states one of them."""
+
 SMALLEST_SHARE = 0.005
 """Share of the error's power below which the verdict gives a cause no percentage of its own."""
 
@@ -58,10 +61,10 @@ def diagnosis_text(study: Study) -> str:
         _rows_of(study),
         "\n".join(verdict(study)),
         table(LADDER, study.ladder()) + f"\nnoise floor from {diagnosis.noise.source}"
-        "; gain: fall of the rms, block bootstrap; of the error: share of its power above the noise"
+        "; own: without what no model can know; gain: fall of own, block bootstrap; of the error: share of its power "
+        "above the noise"
         + (f"\n{CONFIDENCE}" if study.extended else "")
-        + "".join(f"\n{cause.why_kept}" for cause in diagnosis.causes if cause.why_kept)
-        + (f"\nscores: {diagnosis.held_change}" if diagnosis.held_change else ""),
+        + "".join(f"\ntaken out of own: {taken.text}" for taken in diagnosis.remaining.taken),
     ]
     evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
@@ -127,6 +130,7 @@ def verdict(study: Study) -> list[str]:
         return [wrong, *apart, constant, *_left(diagnosis.unknown)]
     wrong = "\n".join([wrong, *apart])
     if not diagnosis.causes:
+        wrong = f"{wrong}\n{diagnosis.remaining.line()}"
         if diagnosis.unknown:
             return [wrong, f"Something stands behind it that none of the known causes explains: {diagnosis.unknown}."]
         if diagnosis.base_rms_um > FAR_ABOVE_NOISE * diagnosis.noise.rms_um and diagnosis.refused:
@@ -138,28 +142,29 @@ def verdict(study: Study) -> list[str]:
     if not study.extended:
         return [
             wrong,
-            "The model written is the paper's: no extension lowers the held-out error for certain.",
+            "The model written is the paper's: no extension lowers the error on rows left out of the fit for certain.",
+            diagnosis.remaining.line(),
             *left_out,
             *_left(diagnosis.unknown),
         ]
     shares = [(cause.name, cause.share) for cause in study.extended if cause.share >= SMALLEST_SHARE]
     parts = [f"{name} is {100.0 * share:.0f} %" for name, share in sorted(shares, key=lambda item: -item[1])]
-    small = [cause.name for cause in study.extended if abs(cause.share) < SMALLEST_SHARE]
-    worse = [(cause.name, -cause.share) for cause in study.extended if cause.share <= -SMALLEST_SHARE]
+    small = [cause.name for cause in study.extended if cause.share < SMALLEST_SHARE]
     if small:
         parts.append(f"{_listed(small)} less than 1 %")
-    parts += [f"{name} adds {100.0 * share:.0f} % here" for name, share in worse]
     lines = [wrong, f"Of that error (of its power above the noise) {_listed(parts)}."]
     with_all = {1: "With it", 2: "With both"}.get(len(study.extended), "With all of them")
+    own_um = diagnosis.remaining.rms_um
     gained = (
-        f"{with_all} in the model: {_percent(study.percent(diagnosis.extended_rms_um))}, "
-        f"{diagnosis.extended_rms_um:.3g} um, "
-        f"{diagnosis.base_rms_um / max(diagnosis.extended_rms_um, 1e-300):.3g} times less"
+        f"{with_all} in the model: {_percent(study.percent(own_um))}, {own_um:.3g} um, "
+        f"{diagnosis.base_own_um / max(own_um, 1e-300):.3g} times less"
     )
+    if diagnosis.extended_rms_um > COLD_AS_OWN * own_um:
+        gained += f" ({diagnosis.extended_rms_um:.3g} um cold: nothing of the scored rows known)"
     total = total_price(study)
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
-    return [*lines, *left_out, *_left(diagnosis.unknown)]
+    return [*lines, diagnosis.remaining.line(), *left_out, *_left(diagnosis.unknown)]
 
 
 def _apart(study: Study) -> list[str]:
@@ -176,7 +181,7 @@ def _apart(study: Study) -> list[str]:
 def _follows(study: Study) -> bool:
     """Whether the extended model is better than a constant on the held-out rows."""
     y_um = np.concatenate([segment.y_um for segment in study.record.segments])
-    return study.diagnosis.extended_rms_um < AS_A_CONSTANT * float(np.std(y_um[study.diagnosis.held_rows]))
+    return study.diagnosis.remaining.rms_um < AS_A_CONSTANT * float(np.std(y_um[study.diagnosis.held_rows]))
 
 
 def _left(unknown: str | None) -> list[str]:

@@ -255,15 +255,15 @@ def _left(study: Study) -> tuple[tuple[str, float], ...]:
     """(cause that is named and not in the model, error that its extension would remove beside the others)."""
     contributions = []
     for cause in study.diagnosis.causes:
-        if not cause.extended and cause.beside is not None:
-            removed = max(cause.beside.before_um**2 - cause.beside.after_um**2, 0.0)
+        if not cause.extended and cause.alone is not None:
+            removed = max(cause.alone.before_um**2 - cause.alone.after_um**2, 0.0)
             contributions.append((cause.name, math.sqrt(removed)))
     return tuple(contributions)
 
 
 def _removed(study: Study) -> tuple[tuple[str, float], ...]:
     """(cause, error in um that its extension removes): the root of the difference of the powers before and after."""
-    before = study.diagnosis.base_rms_um
+    before = study.diagnosis.base_own_um
     contributions: Sequence[tuple[str, float]] = []
     for cause in study.extended:
         after = cause.step.after_um

@@ -56,6 +56,10 @@ class GainChange(Correction):
         """zero + (y - zero) / (1 + per_s t)"""
         return self.zero_um + (y_um - self.zero_um) / (1.0 + self.per_s * t_s)
 
+    def course(self, t_s: Floats, predicted_um: Floats) -> Floats:
+        """t (yhat - zero)"""
+        return t_s * (predicted_um - self.zero_um)
+
 
 class AgingCause(Cause):
     name = "aging"
