@@ -274,6 +274,7 @@ def test_what_the_command_line_does_is_in_the_interface(
     again, scores = hysgen.refit(model, record)
     assert hysgen.diff(model, again, [record]).scores[0][1] == pytest.approx(scores.free_run.e_rms_um, rel=0.5)
     assert set(hysgen.rivals(record[:3000], record[3000:])) == {
+        "paper's model",
         "Prandtl-Ishlinskii, 20 plays",
         "proportional",
         "ARX(2,2,0)",
