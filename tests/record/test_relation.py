@@ -119,8 +119,11 @@ def test_a_model_that_explains_nothing_or_leaves_its_range_is_said_first() -> No
     assert "explains next to nothing" in str(hysgen.score(hysgen.fit(noise), noise)).splitlines()[1]
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("kind", ["sweep through a mode", "steps", "slow sine"])
+@pytest.mark.parametrize(
+    ("kind", "sign"),
+    [(kind, sign) for kind in ("sweep through a mode", "steps", "slow sine") for sign in (1.0, -1.0)]
+    + [("across a mode", 1.0)],
+)
 def test_an_inverted_sensor_is_judged_by_the_slow_response(kind: str, sign: float) -> None:
     """A mode at 40 Hz of 1 kHz: most of a sweep to 400 Hz lies above it, where a sound displacement falls."""
     t = np.arange(8000) * 1e-3
@@ -129,6 +132,7 @@ def test_an_inverted_sensor_is_judged_by_the_slow_response(kind: str, sign: floa
         + 40.0
         * {
             "sweep through a mode": np.sin(2.0 * np.pi * (1.0 + 25.0 * t) * t),
+            "across a mode": np.sin(2.0 * np.pi * (20.0 + 2.5 * t) * t),
             "steps": np.sign(np.sin(2.0 * np.pi * 0.7 * t)),
             "slow sine": np.sin(2.0 * np.pi * 2.0 * t),
         }[kind]
@@ -152,3 +156,10 @@ def test_a_second_displacement_and_a_further_channel_are_hinted_at(tmp_path: Pat
         load_record(path)
     with pytest.raises(RecordError, match="give each further channel its own aux=NAME, as aux=a,aux=b"):
         load_record(path, Columns(displacement="sensor A [um]", aux=("sensor B;C",)))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_noise_is_no_inverted_sensor(seed: int) -> None:
+    y_um = np.random.default_rng(seed).normal(size=N)
+    (line,) = Record.from_arrays(U_V, y_um, TS_S).warnings
+    assert "does not follow" in line

@@ -164,8 +164,8 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
         return
     names, drive = f"{run.origin.source}: {run.origin.displacement}", run.origin.voltage
     slow = slow_response(run)
-    falls = lag.correlation < 0.0 and slow < UNRELATED
-    if falls or (slow < -UNRELATED and lag.correlation < UNRELATED):
+    falls = slow < UNRELATED if lag.correlation <= -UNRELATED else slow < -UNRELATED and lag.correlation < UNRELATED
+    if falls and coherent_share(run) > UNEXPLAINED:
         yield (
             f"{names} falls as {drive} rises slowly (correlation {slow:.2f}): an inverted sensor? Then "
             "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
