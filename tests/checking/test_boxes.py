@@ -116,7 +116,8 @@ def test_the_regressors_stay_below_what_their_box_says() -> None:
             mirror.advance()
         bounds = np.array(disturbances.box_of(term, 2e-5).regressors)
         assert (seen <= bounds).all(), term.kind
-        assert (seen > 0.9 * bounds).all(), term.kind
+        # Noise does not drive modes to their bound; tests/model/test_terms.py does.
+        assert term.kind == "drives" or (seen > 0.9 * bounds).all(), term.kind
 
 
 @pytest.mark.parametrize("name", ["diagnosed", "extended", "everything"])

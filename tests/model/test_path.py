@@ -26,13 +26,18 @@ from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
+from hysgen.model.path.structure import Structure
 from hysgen.model.simulate import simulate
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24
 LIMITERS: list[InputBlock] = [Saturation(-5.0, 95.0), Slew(1.2e5, 0.9e5)]
-RESPONSES: list[InputBlock] = [Creep(0.01, (1e-3, 0.1, 10.0)), Modes((730.0,), (0.05,), (0.3,), 4e-4)]
-ORDER = "saturation, slew, delay, hysteresis, creep, modes"
+RESPONSES: list[InputBlock] = [
+    Creep(0.01, (1e-3, 0.1, 10.0)),
+    Modes((730.0,), (0.05,), (0.3,), 4e-4),
+    Structure((730.0, 2100.0), (0.05, 0.1), (0.3, 0.2), 4e-4, (0.1, -0.2), TS_S),
+]
+ORDER = "saturation, slew, delay, hysteresis, creep, modes, structure"
 BLOCKS: list[InputBlock] = [*LIMITERS, Delay(3.4), *RESPONSES]
 by_kind = pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.kind)
 
@@ -63,7 +68,7 @@ def test_mirror_agrees_with_float64(block: InputBlock) -> None:
     single = np.array([float(mirror.apply(np.array([value], dtype=np.float32))[0]) for value in u])
     # The slew limit adds a rounded step and rounds the sum, up to 60 times in a row from one step of u to the next. The
     # modes' three products and their sums are rounded in each sample, at up to 1.6 times the input.
-    bits = {"saturation": 1, "slew": 60, "delay": 3, "creep": 2, "modes": 8}
+    bits = {"saturation": 1, "slew": 60, "delay": 3, "creep": 2, "modes": 8, "structure": 64}
     assert np.abs(single - block.apply(u, TS_S)).max() < bits[block.kind] * LAST_BIT * 120
 
 

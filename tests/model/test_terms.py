@@ -13,6 +13,7 @@ from hysgen.errors import ModelError
 from hysgen.model.disturbances import Drive, Term, kinds, term_from_json
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.drift import Drift
+from hysgen.model.disturbances.drives import Drives
 from hysgen.model.disturbances.periodic import Periodic
 
 TS_S = 2e-5
@@ -22,6 +23,15 @@ TERMS: list[Term] = [
     Periodic((50.0, 101.7)),
     Coupling(("temperature", "other_V"), (20.0, -1.0), (24.0, 3.0), taps=3),
     Drift(0.01, 0.5),
+    Drives(
+        ("temperature", "other_V"),
+        (20.0, -1.0),
+        (24.0, 3.0),
+        f_Hz=(60.0, 730.0),
+        zeta=(0.01, 0.3),
+        share=(0.1, -0.2, 0.3, 0.1),
+        quadrature=(0.0, 0.1, -0.2, 0.0),
+    ),
 ]
 by_kind = pytest.mark.parametrize("term", TERMS, ids=lambda term: term.kind)
 
@@ -80,8 +90,8 @@ def test_mirror_agrees_with_float64(term: Term) -> None:
     over = drive(20_000)
     truth, single = term.regressors(over), mirrored(term, over)
     # In last bits of each regressor's largest value. Coupling subtracts a middle 12 times its range; the sine claims
-    # 1.9e-7.
-    claims = {"periodic": 1.9e-7 / LAST_BIT, "coupling": 13.0}
+    # 1.9e-7. Drives subtract a middle 12 times its range, too, and a step is the difference of two products.
+    claims = {"periodic": 1.9e-7 / LAST_BIT, "coupling": 13.0, "drives": 13.0}
     error = np.abs(single - truth).max(axis=0) / (LAST_BIT * np.abs(truth).max(axis=0))
     assert error.max() < claims.get(term.kind, 3.0)
 
@@ -91,7 +101,9 @@ def test_a_segment_continues_from_the_state_of_the_one_before(term: Term) -> Non
     over, cut = drive(4000), 2500
     whole = term.regressors(over)
     state = whole[cut]
-    if isinstance(term, Coupling):
+    if isinstance(term, Drives):
+        state = term.states(over)[cut].ravel()
+    elif isinstance(term, Coupling):
         taps = whole[cut].reshape(len(term.channels), term.taps)
         state = taps[:, :0:-1].ravel()
     assert over.innovation_um is not None
@@ -114,15 +126,15 @@ def test_json_round_trip_is_exact(term: Term) -> None:
 
 
 @by_kind
-def test_only_coupling_reads_channels(term: Term) -> None:
-    assert term.channels == (("temperature", "other_V") if term.kind == "coupling" else ())
+def test_only_coupling_and_drives_read_channels(term: Term) -> None:
+    assert term.channels == (("temperature", "other_V") if term.kind in ("coupling", "drives") else ())
     assert "\n" not in term.describe()
 
 
 @pytest.mark.parametrize(
     ("data", "complaint"),
     [
-        ({"kind": "magic"}, "terms: kind 'magic' is unknown; this hysgen knows coupling, drift, periodic"),
+        ({"kind": "magic"}, "terms: kind 'magic' is unknown; this hysgen knows coupling, drift, drives, periodic"),
         ({"kind": "memory"}, "terms: memory: this hysgen has it in the path, ahead of the rules; fit the model again"),
         ({"kind": "drift"}, "terms: drift: 'tau_s'"),
         ({"kind": "periodic", "f_Hz": [float("nan")]}, "terms: periodic: f_Hz must be positive and rising"),
@@ -141,3 +153,33 @@ def test_malformed_terms_are_refused_in_one_line(data: dict[str, Any], complaint
 def test_frequencies_beyond_half_the_sampling_frequency_are_refused() -> None:
     with pytest.raises(ModelError, match="30000 Hz lies beyond half the sampling frequency, 25000 Hz"):
         Periodic((30_000.0,)).constants(TS_S)
+
+
+def test_the_worst_input_of_a_structure_reaches_its_bound_and_does_not_leave_it() -> None:
+    """The bound is 1 % wider than the motion under the channel that answers every sign of the impulse response."""
+    f_Hz, zeta, n = (60.0, 730.0), (0.1, 0.3), 20_000
+    term = Drives(("v",), (-1.0,), (3.0,), f_Hz=f_Hz, zeta=zeta, share=(0.3, 0.1), quadrature=(0.1, -0.2))
+    impulse = term.regressors(Drive(np.zeros(n), TS_S, {"v": np.where(np.arange(n) == 0, 3.0, 1.0)}))
+    for column, most in zip(impulse.T, term.box(TS_S).regressors, strict=True):
+        worst = {"v": 1.0 + 2.0 * np.sign(column[::-1])}
+        moved = np.abs(term.regressors(Drive(np.zeros(n), TS_S, worst))).max(axis=0)
+        assert 0.98 * most < moved[list(impulse.T.tolist()).index(column.tolist())] <= most
+
+
+def test_drives_are_the_modes_of_a_stage_behind_its_lag() -> None:
+    """o(k) = sum_m Re c_m(k) by a loop over complex numbers, and what the two weights make of it."""
+    term = Drives(
+        ("v",), (-1.0,), (1.0,), f_Hz=(60.0, 730.0), zeta=(0.1, 0.3), share=(0.3, 0.1), quadrature=(0.1, -0.2)
+    )
+    v = np.random.default_rng(3).uniform(-1.0, 1.0, 500)
+    w, zeta = 2.0 * np.pi * np.array(term.f_Hz), np.array(term.zeta)
+    pole = np.exp((-zeta - 1j * np.sqrt(1.0 - zeta**2)) * w * TS_S)
+    gain, c, o = (np.array(term.share) + 1j * np.array(term.quadrature)) * (1.0 - pole), np.zeros(2, complex), []
+    for value in v:
+        o.append(float(c.real.sum()))
+        c = pole * c + gain * value
+    phi, a, y = term.regressors(Drive(np.zeros(v.size), TS_S, {"v": v})), 0.7, [0.0]
+    for row in phi[:-1]:
+        y.append(a * y[-1] + float(row @ (1.0 - a, 1.0)))
+    assert phi[:, 0] == pytest.approx(np.array(o), abs=1e-12)
+    assert np.array(y) == pytest.approx(np.array(o), abs=1e-12)

@@ -14,7 +14,7 @@ Source: Pintelon and Schoukens, System Identification (2012), chapters 7 to 9.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Final
@@ -25,6 +25,8 @@ from scipy.linalg import solve
 from scipy.signal import lfilter
 
 from hysgen.errors import FitError
+from hysgen.model.disturbances.drives import Drives
+from hysgen.model.path.structure import Structure
 from hysgen.record.series import period_of
 
 Floats = NDArray[np.float64]
@@ -39,6 +41,9 @@ MOST_DAMPING: Final = 0.94
 
 MOST_STEPS, LEAST_STEP = 25, 1e-3
 """Steps of the output-error fit, and the relative fall of the squared error below which it ends."""
+
+LAG: Final = 0.3
+"""Lag of the rules behind a structure, in samples: short, for the block makes up for it."""
 
 EXCITED: Final = 1e-3
 """A line is excited where an input reaches this share of its largest amplitude."""
@@ -57,6 +62,16 @@ class ModalForm:
     Ts_s: float
     rms_um: float
     errors: Floats
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ModalForm) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[bytes, bytes, float]:
+        return self.poles.tobytes(), self.gains.tobytes(), self.constant_um
 
     @property
     def rates(self) -> Complex:
@@ -83,6 +98,11 @@ class ModalForm:
         """(N,) standard error of the undamped frequency, by first-order propagation."""
         slope = np.conj(self.rates) / (np.abs(self.rates) * self.poles * self.Ts_s)  # df = Re(slope dlam) / 2 pi
         return np.asarray(np.hypot(slope.real * self.errors[:, 0], slope.imag * self.errors[:, 1]) / (2.0 * np.pi))
+
+    @property
+    def zeta_error(self) -> Floats:
+        """(N,) bound of the standard error of the damping ratio: the error of the pole over its distance from 0 Hz."""
+        return np.asarray(np.hypot(*self.errors.T) / (np.abs(self.poles * self.rates) * self.Ts_s))
 
     def simulate(self, v: Floats) -> Floats:
         """(n,) displacement in um under the inputs v, (M, n), from rest under v(0)."""
@@ -151,6 +171,24 @@ def states(pole: complex, signal: Signal) -> Complex:
     """(n,) x of x(k+1) = lam x(k) + s(k), at rest under s(0) before row 0."""
     start = np.array([signal[0] / (1.0 - pole)])
     return np.asarray(lfilter([0.0, 1.0], [1.0, -pole], np.asarray(signal, dtype=np.complex128), zi=start)[0])
+
+
+def structure_parts(form: ModalForm, channels: Mapping[str, tuple[float, float]]) -> tuple[Structure, Drives | None]:
+    """The block of the first input of a form, with the static gain 1, and the term of the others.
+
+    channels: name and range of each other input, in the order of the form.
+    """
+    order = np.argsort(form.f_Hz, kind="stable")
+    f_Hz, zeta = tuple(form.f_Hz[order].tolist()), tuple(form.zeta[order].tolist())
+    shares = np.conj(form.gains / (1.0 - form.poles)[:, None])[order]
+    own, others = shares[:, 0] / form.static[0], shares[:, 1:]
+    lag_s = LAG * form.Ts_s
+    block = Structure(f_Hz, zeta, tuple(own.real.tolist()), lag_s, tuple(own.imag.tolist()), form.Ts_s)
+    if not channels:
+        return block, None
+    low, high = zip(*channels.values(), strict=True)
+    share, quadrature = tuple(others.real.ravel().tolist()), tuple(others.imag.ravel().tolist())
+    return block, Drives(tuple(channels), low, high, f_Hz=f_Hz, zeta=zeta, share=share, quadrature=quadrature)
 
 
 def pieces_of(inputs: Sequence[Floats], y_um: Sequence[Floats], skipped: int) -> list[Piece]:

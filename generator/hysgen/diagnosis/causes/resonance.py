@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -13,7 +14,20 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Mode, Part, RunSignals, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import (
+    Chain,
+    Extent,
+    Fit,
+    Mode,
+    Part,
+    RunSignals,
+    Scene,
+    ShapeParameter,
+    Trace,
+    standard_errors,
+)
+from hysgen.errors import FitError
+from hysgen.fitting.structure import ModalForm, identify_structure, structure_parts
 from hysgen.model.path.modes import Modes
 
 Floats = NDArray[np.float64]
@@ -32,6 +46,9 @@ MOST_MODES = 3
 LEAST_DAMPING, MOST_DAMPING = 5e-4, 0.4
 """Damping ratios of a mode: below these a mode is a line, above them its response is that of a delay."""
 
+KNOWN = 5e-3
+"""Largest standard error of a frequency that is named, as a share of it: a fraction of the width of a light mode."""
+
 MODE = (
     ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True, order=3.0),
     ShapeParameter("zeta", "1", lambda e: (LEAST_DAMPING, MOST_DAMPING), logarithm=True),
@@ -42,15 +59,21 @@ MODE = (
 
 @dataclass(frozen=True)
 class ResonancePart(Part):
-    """Parallel second-order modes behind the hysteresis.
+    """Parallel second-order modes behind the hysteresis, or an identified structure beside it.
 
-    Each adds two columns: what a movement before the record has left ringing.
+    Each mode adds two columns: what a movement before the record has left ringing. The form of a structure, of the
+    command and `channels`, adds its motion as one column.
     """
 
     cause: ClassVar[str] = "resonance"
     order: ClassVar[int] = 40
-    timed: ClassVar[bool] = True
     modes: tuple[Mode, ...] = ()
+    form: ModalForm | None = None
+    channels: tuple[str, ...] = ()
+
+    @property
+    def timed(self) -> bool:  # type: ignore[override]
+        return self.form is None
 
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
@@ -61,24 +84,32 @@ class ResonancePart(Part):
         return tuple(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share))
 
     def with_values(self, values: Sequence[float]) -> Self:
-        return type(self)(tuple(Mode(*values[i : i + 3]) for i in range(0, len(values), 3)))
+        return dataclasses.replace(self, modes=tuple(Mode(*values[i : i + 3]) for i in range(0, len(values), 3)))
 
     @property
     def added(self) -> int:
-        return 2 * len(self.modes)
+        return 2 * len(self.modes) + (self.form is not None)
 
     @property
     def weight_orders(self) -> float:
-        return 0.0  # a ringing that fades is known no better from a longer record
+        # A ringing that fades is known no better from a longer record. A pole has a frequency, of order 3.
+        return 0.0 if self.form is None else 4.0 * self.form.poles.size + 2.0 * self.form.gains.size
+
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        return self.form is not None  # what other drives and many modes move differs from pass to pass
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s = run.time_s(extent.Ts_s)
         rates = (2.0 * math.pi * mode.f_Hz * complex(-mode.zeta, math.sqrt(1.0 - mode.zeta**2)) for mode in self.modes)
         rings = [np.exp(rate * t_s) for rate in rates]
-        return [part for ring in rings for part in (ring.real, ring.imag)]
+        own = [part for ring in rings for part in (ring.real, ring.imag)]
+        moved = (
+            [self.form.simulate(np.stack([run.u_V, *(run.aux[name] for name in self.channels)]))] if self.form else []
+        )
+        return [*own, *moved]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        return tuple((mode.f_Hz, mode.zeta) for mode in self.modes)
+        return (*((mode.f_Hz, mode.zeta) for mode in self.modes), self.form)
 
 
 class ResonanceCause(Cause):
@@ -91,6 +122,8 @@ class ResonanceCause(Cause):
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
+        if chain.of(ResonancePart).form is not None:
+            return [self.without(chain)]
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
         return [chain.having(ResonancePart(modes_kept)) if modes_kept else self.without(chain) for modes_kept in fewer]
 
@@ -100,8 +133,13 @@ class ResonanceCause(Cause):
         Of two strong modes, one alone may lower the error too little for a step of the search.
         """
         chain, scene = residual.fit.chain, residual.scene
-        if len(chain.modes) >= MOST_MODES:
+        part = chain.get(ResonancePart)
+        if part is not None and part.form is not None:
             return []
+        structure = _structure(scene, len(chain.modes))
+        whole = [] if structure is None else [chain.having(structure)]
+        if len(chain.modes) >= MOST_MODES:
+            return whole
         grid = [Mode(f_Hz, zeta, 1.0) for zeta in DAMPINGS for f_Hz in _grid_Hz(residual)]
         bare = residual.responses(self.without(chain))
         rings = np.empty((len(grid), len(scene.rows)))
@@ -126,7 +164,7 @@ class ResonanceCause(Cause):
             sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
         together = [sorted((*chain.modes, *more), key=lambda mode: mode.f_Hz) for more in sets]
         proposed = [chain.having(ResonancePart(tuple(modes))) for modes in together]
-        return proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s)
+        return whole + (proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s))
 
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
@@ -137,6 +175,9 @@ class ResonanceCause(Cause):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequency, damping ratio and share of each mode with standard errors."""
         chain = residual.fit.chain
+        part = chain.of(ResonancePart)
+        if part.form is not None:
+            return _signature_of(part.form, part.channels)
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
         for i, mode in enumerate(chain.modes):
@@ -151,11 +192,56 @@ class ResonanceCause(Cause):
 
     def extension(self, residual: Residual) -> Extension:
         chain = residual.fit.chain
+        part = chain.of(ResonancePart)
+        if part.form is not None:
+            ranges = {name: residual.scene.range_of(name) for name in part.channels}
+            block, term = structure_parts(part.form, ranges)
+            return Extension(block=block, term=term, lag_s=block.lag_s)
         return Extension(block=modes_block(chain.modes, chain.lag_s), lag_s=chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
         mode = Mode(*(known.parameters[f"resonance.{one.field}"] for one in MODE))
         return Extension(block=modes_block([mode], known.lag_s), lag_s=known.lag_s)
+
+
+def _structure(scene: Scene, modes: int) -> ResonancePart | None:
+    """The structure that the record shows: where other channels move, or MOST_MODES modes are not enough.
+
+    None for an excerpt of a record, whose runs do not begin at rest, and for a record that is too short.
+    """
+    runs = scene.runs
+    channels = tuple(name for name in runs[0].aux if all(float(np.ptp(run.aux[name])) > 0.0 for run in runs))
+    whole = all(run.stride == 1 and not len(run.history) and run.segment in (0, len(run.u_V)) for run in runs)
+    if not whole or not (channels or modes >= MOST_MODES):
+        return None
+    return _identified(runs, channels, scene.Ts_s)
+
+
+@functools.lru_cache(maxsize=1)
+def _identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> ResonancePart | None:
+    inputs = [np.stack([run.u_V, *(run.aux[name] for name in channels)]) for run in runs]
+    try:
+        form = identify_structure(inputs, [run.y_um for run in runs], Ts_s)
+    except FitError:
+        return None
+    return ResonancePart(form=form, channels=channels)
+
+
+def _signature_of(form: ModalForm, channels: Sequence[str]) -> Signature:
+    """Each mode of a structure whose frequency is known to KNOWN of it, in rising order."""
+    known = np.flatnonzero(form.f_error_Hz < KNOWN * form.f_Hz)
+    order = known[np.argsort(form.f_Hz[known], kind="stable")].tolist()
+    parameters, texts = {}, []
+    for i, m in enumerate(order):
+        suffix = "" if i == 0 else f"_{i + 1}"
+        parameters[f"f{suffix}_Hz"] = Estimate(float(form.f_Hz[m]), float(form.f_error_Hz[m]))
+        parameters[f"zeta{suffix}"] = Estimate(float(form.zeta[m]), float(form.zeta_error[m]))
+        texts.append(f"{form.f_Hz[m]:.4g} +- {form.f_error_Hz[m]:.1g} Hz (damping ratio {form.zeta[m]:.3g})")
+    broad = len(form.poles) - len(order)
+    drives = f", driven by the command and by {', '.join(channels)}" if channels else ""
+    text = f"rings at {', '.join(texts)}{drives}" + (f"; {broad} broad or slow states beside them" if broad else "")
+    z = min((float(form.f_Hz[m] / max(form.f_error_Hz[m], 1e-15)) for m in order), default=0.0)
+    return Signature(z, text, parameters)
 
 
 def _with_other_lags(chain: Chain, mode: Mode, Ts_s: float) -> list[Chain]:

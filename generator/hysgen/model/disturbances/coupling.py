@@ -114,7 +114,7 @@ class Coupling(Term):
         return (Member("sample", "float", about, (len(self.channels), self.taps)),)
 
     def mirror(self, lanes: int, Ts_s: float) -> ChannelMirror:
-        return ChannelMirror(self, lanes)
+        return ChannelMirror(self, self.constants(Ts_s), lanes)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         return {
@@ -133,10 +133,10 @@ class Coupling(Term):
 class ChannelMirror(Mirror):
     """Float32 channels over lanes."""
 
-    def __init__(self, term: Coupling, lanes: int) -> None:
+    def __init__(self, term: Coupling, constants: Mapping[str, Floats32], lanes: int) -> None:
         self.members = term.members()
         self._channels = term.channels
-        self._limits = [np.asarray(numbers) for numbers in term.constants(1.0).values()]
+        self._limits = [np.asarray(constants[name]) for name in ("low", "high", "middle")]
         self.sample: list[list[Floats32]] = [[np.zeros(lanes, np.float32)] * term.taps for _ in term.channels]
 
     def listen(self, aux: Mapping[str, Floats32]) -> Bits:

@@ -115,6 +115,11 @@ class Modes(InputBlock):
             velocity[j] = -(top_im * low_re - top_re * low_im) / square
         return position, velocity
 
+    def weights(self, Ts_s: float) -> tuple[Floats, Floats]:
+        """(m,) weights of position and velocity in w(k): q Re M and -q Im M."""
+        share, (position, velocity) = np.asarray(self.share), self.outputs(Ts_s)
+        return share * position, share * velocity
+
     def direct(self, Ts_s: float) -> float:
         """Share of x(k) in w(k): the stiff share and what the modes answer within the sample."""
         position, _ = self.outputs(Ts_s)
@@ -134,8 +139,8 @@ class Modes(InputBlock):
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         states = mode_states(u_V, self.steps(Ts_s), self.start(float(u_V[0])) if start is None else start)
         out = self.direct(Ts_s) * u_V
-        for j, (position, velocity) in enumerate(zip(*self.outputs(Ts_s), strict=True)):
-            out += self.share[j] * (position * states[:, 2 * j] + velocity * states[:, 2 * j + 1])
+        for j, (of_position, of_velocity) in enumerate(zip(*self.weights(Ts_s), strict=True)):
+            out += of_position * states[:, 2 * j] + of_velocity * states[:, 2 * j + 1]
         return out
 
     def free_responses(self, t_s: Floats) -> list[Floats]:
@@ -203,14 +208,14 @@ class Modes(InputBlock):
         left, turn = 1.0 - real.astype(np.float64), imag.astype(np.float64)
         if not (left * left + turn * turn < 1.0).all():
             raise ModelError("modes: a mode this slow and light does not decay in float32; raise its damping")
-        share, (position, velocity) = np.array(self.share), self.outputs(Ts_s)
+        of_position, of_velocity = self.weights(Ts_s)
         direct = self.direct(Ts_s)
         inverse = {"per_direct": singles(np.array([1.0 / direct]))} if self.solves(Ts_s) else {}
         return {
             "real": real,
             "imag": imag,
-            "of_position": singles(share * position),
-            "of_velocity": singles(share * velocity),
+            "of_position": singles(of_position),
+            "of_velocity": singles(of_velocity),
             "direct": singles(np.array([direct])),
             **inverse,
         }
@@ -234,11 +239,10 @@ def _zero(block: Modes, Ts_s: float) -> float:
         return float("inf")
     m = 2 * len(block.f_Hz)
     A, B, C = np.eye(m), np.zeros(m), np.zeros(m)
-    outputs = zip(block.steps(Ts_s), block.share, *block.outputs(Ts_s), strict=True)
-    for j, (step, share, position, velocity) in enumerate(outputs):
+    for j, (step, *weights) in enumerate(zip(block.steps(Ts_s), *block.weights(Ts_s), strict=True)):
         at = slice(2 * j, 2 * j + 2)
         A[at, at] += [[-step.real, step.imag], [-step.imag, -step.real]]
-        B[at], C[at] = (step.real, step.imag), (share * position, share * velocity)
+        B[at], C[at] = (step.real, step.imag), weights
     return spectral_radius(A - B[:, None] * (C / direct))
 
 

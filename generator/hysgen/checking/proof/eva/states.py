@@ -153,10 +153,13 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("lost", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM)),
         Split("cosine_sine: quadrant", tuple(f"quadrant < {k}u" for k in range(1, 4))),
         Split("cosine_sine: r", signs("r")),
-        Split("coupling_channel", signs("self->sample[c][0]")),
-        Split("coupling_channel: finite", ("rejected == 0u",)),
-        Split("coupling_channel: inside", _around("inside", f"{model.name}_coupling_middle[c]")),
     ]
+    for kind in (term.kind for term in model.terms if term.channels):
+        cases += [
+            Split(f"{kind}_channel", signs("self->sample[c][0]")),
+            Split(f"{kind}_channel: finite", ("rejected == 0u",)),
+            Split(f"{kind}_channel: inside", _around("inside", f"{model.name}_{kind}_middle[c]")),
+        ]
     if any(block.kind == "hysteresis" for block in model.blocks):
         cases.append(Split("magnitude", signs("x")))
     for function in ("predict", "simulate", "inverse"):

@@ -1,0 +1,91 @@
+"""Structure: the modes that the own drive excites, as an identification finds them, with the sensor's phase of each.
+
+    c_m(k+1) = c_m(k) + s_m (x(k) - c_m(k)),   y(k) = sum_m Re(Q_m c_m(k)),   Q_m = q_m + i r_m
+    w(k) = (y(k+1) - a y(k)) / (1 - a) = direct x(k) + sum_m Re(Q_m (1 - s_m/(1 - a)) c_m(k))
+
+c_m, s_m as in `modes`; a = exp(-Ts/lag): behind the lag of the rules y is exact, for a is a zero of w, too. What is
+left of sum q = 1 passes the lag alone. A mode of `modes` has the phase of a force on one mass; Q_m is complex, so N
+such modes are every linear system of simple poles. The modes of other drives are the term `drives`.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from hysgen.machine.reproducible import expm1
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import Floats
+from hysgen.model.path.modes import Modes
+
+DECAYED = 1e-4
+"""Rest of an impulse response at which the sum of its magnitudes ends."""
+
+
+@dataclass(frozen=True)
+class Structure(Modes):
+    """Modes of undamped frequency `f_Hz`, damping ratio `zeta`, Q = `share` + i `quadrature`, (m,) each.
+
+    Ts_s: sampling period of the identification. Raises ValueError as `Modes`, and if quadrature or Ts_s do not fit.
+    """
+
+    kind: ClassVar[str] = "structure"
+    place: ClassVar[int] = 55
+    quadrature: tuple[float, ...]
+    Ts_s: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(self.quadrature) != len(self.share) or not np.isfinite(self.quadrature).all():
+            raise ValueError("quadrature must have one finite number for each mode")
+        if not self.Ts_s > 0.0:
+            raise ValueError("Ts_s must be positive")
+
+    def weights(self, Ts_s: float) -> tuple[Floats, Floats]:
+        """(m,) weights of position and velocity in w(k): Re and -Im of Q (1 - s/(1 - a))."""
+        a_left, steps = -expm1(-Ts_s / self.lag_s), self.steps(Ts_s)
+        # Part by part, for a product of complex numbers may be rounded once or twice.
+        re, im = 1.0 - steps.real / a_left, -steps.imag / a_left
+        q, r = np.asarray(self.share), np.asarray(self.quadrature)
+        return q * re - r * im, -(q * im + r * re)
+
+    def direct(self, Ts_s: float) -> float:
+        """Share of x(k) in w(k): the stiff share and Re(Q s)/(1 - a) of each mode."""
+        a_left, steps = -expm1(-Ts_s / self.lag_s), self.steps(Ts_s).tolist()
+        modes = zip(self.share, self.quadrature, steps, strict=True)
+        return self.stiff + float(sum((q * s.real - r * s.imag) / a_left for q, r, s in modes))
+
+    def image(self, u_V: Interval) -> Interval:
+        """The bound of a linear block: half the width of the range times the sum of |impulse response|, about rest."""
+        half = 0.5 * u_V.width * _magnitude(self)
+        middle = 0.5 * (u_V.low + u_V.high)
+        return Interval(middle - half, middle + half)
+
+    def describe(self) -> str:
+        modes = (f"{f:.5g} Hz (damping {zeta:.3g})" for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
+        return "structure with modes at " + ", ".join(modes)
+
+    @classmethod
+    def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
+        """Two modes."""
+        f_Hz = float(rng.uniform(100.0, 1000.0))
+        damping, share = rng.uniform(0.01, 0.1, 2).tolist(), rng.uniform(0.1, 0.4, 2).tolist()
+        turn = rng.uniform(-0.1, 0.1, 2).tolist()
+        lag_s = float(rng.uniform(1e-4, 1e-3))
+        return (cls((f_Hz, 2.5 * f_Hz), tuple(damping), tuple(share), lag_s, tuple(turn), 2e-5),)
+
+
+@functools.lru_cache(maxsize=64)
+def _magnitude(block: Structure) -> float:
+    """Sum of |w(k)| for a unit impulse, 1.01 times, until the slowest mode has decayed to DECAYED."""
+    slowest = min(f * zeta for f, zeta in zip(block.f_Hz, block.zeta, strict=True))
+    samples = 2 + int(-np.log(DECAYED) / (2.0 * np.pi * slowest * block.Ts_s))
+    impulse = np.zeros(min(samples, 1_000_000))
+    impulse[0] = 1.0
+    return 1.01 * float(np.abs(block.apply(impulse, block.Ts_s, block.start(0.0))).sum())
+
+
+BLOCK = Structure
