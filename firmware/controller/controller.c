@@ -7,7 +7,7 @@
 #define CONTROLLER_WHOLE_STEP 0.99f
 
 /* LOOP: largest difference between the strokes of stage and model, as a share of the model's stroke. */
-#define CONTROLLER_STROKE_SHARE 0.5f
+#define CONTROLLER_STROKE_SHARE 0.45f
 
 /* One step of at most `step` from `from` towards `target`; within reach it is `target` itself, without rounding. */
 static float controller_towards(float from, float target, float step)
@@ -25,7 +25,7 @@ uint32_t hysgen_controller_drives(const controller_t *self)
     return (uint32_t)((self->state != CONTROLLER_OFF) && (self->state != CONTROLLER_TRIPPED));
 }
 
-void hysgen_controller_init(controller_t *self, const settings_t *settings)
+void hysgen_controller_init(controller_t *self, const settings_t *settings, float rest_V)
 {
     self->settings = settings;
     self->state = CONTROLLER_OFF;
@@ -45,7 +45,14 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings)
     self->top_um = 0.0f;
     self->top_model_um = 0.0f;
     self->offset_um = 0.0f;
-    self->output_V = (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f;
+    self->hold_mean = 1u;
+    self->hold_share = 1.0f;
+    while (self->hold_mean <= (settings->hold_samples >> 1)) {
+        self->hold_mean += self->hold_mean;
+        self->hold_share *= 0.5f;
+    }
+    self->held_um = 0.0f;
+    self->output_V = rest_V;
     self->reference_um = MODEL_Y_MIN_UM;
     self->wanted_um = MODEL_Y_MIN_UM;
     for (uint32_t i = 0u; i < CONTROLLER_LINE; ++i) {
@@ -86,6 +93,7 @@ static void controller_begin(controller_t *self)
     self->upward = 1u;
     self->begun = 1u;
     self->held = 0u;
+    self->held_um = 0.0f;
     self->offset_um = 0.0f;
     self->state = CONTROLLER_LOOP;
 }
@@ -226,9 +234,7 @@ static float controller_loop(controller_t *self)
             const float stroke_um = self->top_um - self->watchdog.reading_um;
             const float model_um = self->top_model_um - self->model.y_um;
 
-            /* A stage at rest is a fault for any stroke_um. */
-            if ((number_size(stroke_um - model_um) > settings->stroke_um)
-                || (number_size(stroke_um - model_um) > CONTROLLER_STROKE_SHARE * number_size(model_um))) {
+            if (number_size(stroke_um - model_um) > CONTROLLER_STROKE_SHARE * number_size(model_um)) {
                 self->status |= STATUS_FAULT_STROKE;
             }
             self->state = CONTROLLER_HOLD;
@@ -262,12 +268,16 @@ static float controller_voltage(controller_t *self, float reference_um)
         break;
     case CONTROLLER_HOLD:
         u_V = self->output_V;
-        self->offset_um += settings->offset_smoothing
-            * (self->watchdog.reading_um - self->model.y_um - self->offset_um);
+        if (settings->hold_samples - self->held <= self->hold_mean) {
+            self->held_um += self->watchdog.reading_um - self->model.y_um;
+        }
         (void)model_simulate(&self->model, u_V);
         self->held += 1u;
         if (self->held >= settings->hold_samples) {
-            if (number_size(self->offset_um) > settings->offset_um) {
+            const float mean_um = self->held_um * self->hold_share;
+
+            self->offset_um = ((settings->options & SETTINGS_NO_OFFSET) == 0u) ? mean_um : 0.0f;
+            if (number_size(mean_um) > settings->offset_um) {
                 self->status |= STATUS_FAULT_OFFSET;
             } else {
                 controller_take_over(self);

@@ -7,9 +7,9 @@
  *
  * The amplifier is on from POWER to OFF or TRIPPED, and a fault in OFF or POWER leads to TRIPPED without TRIP. POWER waits until the
  * amplifier has been good for power_samples in a row; only behind it is a failure of the amplifier a fault. RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of
- * model and stage no longer depends on earlier voltages, and the stage must move as far on the way back as the model does, within stroke_um and within half
- * of the model's stroke.
- * HOLD waits until the lag has decayed and takes the offset between stage and model (the sensor's zero, and earlier
+ * model and stage no longer depends on earlier voltages, and the stage must move as far on the way back as the model does, within 45 % of
+ * the model's stroke.
+ * HOLD waits until the lag has decayed and takes the mean offset between stage and model (the sensor's zero, and earlier
  * creep), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
  * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
 
@@ -66,7 +66,10 @@ typedef struct {
     uint32_t held;           /* samples in HOLD */
     float top_um;            /* LOOP: reading at its highest voltage, */
     float top_model_um;      /* and displacement of the model there */
-    float offset_um;         /* displacement of the stage beyond the model's, as HOLD found it */
+    float offset_um;         /* displacement of the stage beyond the model's, its mean over the end of HOLD */
+    uint32_t hold_mean;      /* samples of that mean: the largest power of two up to hold_samples */
+    float hold_share;        /* 1 / hold_mean */
+    float held_um;           /* sum of these displacements */
     float output_V;          /* voltage that was put out last */
     float reference_um;      /* reference that the inverse was asked for last, without trim */
     float wanted_um;         /* last reference of the caller that was one */
@@ -81,8 +84,8 @@ typedef struct {
     model_bank_t bank;       /* parameters that every start begins with */
 } controller_t;
 
-/* Off, with the parameters that the firmware was built with. */
-void hysgen_controller_init(controller_t *self, const settings_t *settings);
+/* Off at rest_V, with the parameters that the firmware was built with. */
+void hysgen_controller_init(controller_t *self, const settings_t *settings, float rest_V);
 
 /* 1 if the amplifier is to be on. */
 uint32_t hysgen_controller_drives(const controller_t *self);

@@ -10,6 +10,9 @@
 /* Kept over a reset: the first fault, and the same word with these bits turned. */
 #define FIRMWARE_KEPT 0x5AFE0FFFu
 
+/* Samples until an idle loop that does not come back is left to the hardware's watchdog: 1 s, more than twice the erasing of a slot. */
+#define FIRMWARE_IDLE_SAMPLES 50000u
+
 static void firmware_keep(board_t *board, uint32_t fault)
 {
     uint32_t *kept = hysgen_board_kept(board);
@@ -37,8 +40,8 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     self->asked_um = 0.0f;
     self->asks = 0u;
     hysgen_link_init(&self->link);
-    hysgen_controller_init(&self->controller, settings);
     self->settings_wrong = hysgen_settings_check(settings);
+    hysgen_controller_init(&self->controller, settings, (self->settings_wrong == NULL) ? settings->off_V : BOARD_SAFE_V);
     if (hysgen_board_power_on(board) == 0u) {
         const uint32_t *kept = hysgen_board_kept(board);
 
@@ -73,7 +76,7 @@ void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
     hysgen_board_amplifier_enable(board, hysgen_controller_drives(&self->controller));
     firmware_keep(board, self->controller.first);
     /* The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
-    if (self->controller.samples - self->ticked < self->controller.settings->state_samples) {
+    if (self->controller.samples - self->ticked < FIRMWARE_IDLE_SAMPLES) {
         hysgen_board_alive(board);
     }
     self->cycles_last = hysgen_board_cycles(board) - start;
@@ -88,9 +91,6 @@ uint32_t hysgen_firmware_status(const firmware_t *self)
 
 void hysgen_firmware_panic(const firmware_t *self, board_t *board)
 {
-    const settings_t *settings = self->controller.settings;
-
-    hysgen_board_voltage(board, (number_finite(settings->off_V) != 0u) ? settings->off_V : 0.0f);
     hysgen_board_amplifier_enable(board, 0u);
     firmware_keep(board, self->controller.first | STATUS_FAULT_EXCEPTION);
 }

@@ -48,7 +48,7 @@ uint32_t hysgen_firmware_status(const firmware_t *self);
 /* One pass of the idle loop: executes commands of the link, takes parameter images, calls the model's commit. */
 void hysgen_firmware_idle(firmware_t *self, board_t *board);
 
-/* For the handler of exceptions and NMI: output to off_V at once, amplifier off. */
+/* For the handler of exceptions and NMI: amplifier off, at any time. The D/A keeps its voltage: in one step to another a stage rings. */
 void hysgen_firmware_panic(const firmware_t *self, board_t *board);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #define NUMBER_NAN 0x7FC00000u  /* bits of a quiet NaN */
+#define NUMBER_LARGEST 3.0e38f
 
 static inline uint32_t number_bits(float x)
 {

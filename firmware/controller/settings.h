@@ -9,6 +9,7 @@
 
 #define SETTINGS_TRIM   0x1u  /* feedback trim */
 #define SETTINGS_LEARN  0x2u  /* on-line learning, with commit */
+#define SETTINGS_NO_OFFSET  0x8u  /* the offset of HOLD is held against offset_um, and not used: for a model without memory */
 #define SETTINGS_KEEP   0x4u  /* the next start begins with the parameters that were committed last, not with those of the store */
 
 typedef struct {
@@ -30,8 +31,6 @@ typedef struct {
     float loop_high_V;
     float loop_middle_V;
     uint32_t hold_samples;
-    float stroke_um;         /* strokes of stage and model on the loop's way back differ by at most this */
-    float offset_smoothing;  /* share of the way to the new offset per sample */
     float offset_um;         /* largest offset of the stage from the model, either way */
     float approach_um;  /* change of the reference per sample until it is caught */
 
@@ -51,8 +50,7 @@ typedef struct {
     float follow_um;
     uint32_t follow_samples;   /* and for how many samples (leaky count, see watchdog.h) */
     uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
-    uint32_t period_cycles;    /* of the processor from one interrupt to the next */
-    uint32_t budget_cycles;    /* of one interrupt */
+    uint32_t period_cycles;    /* of the processor from one interrupt to the next: none may take longer */
 
     /* Feedback trim, see trim.h. */
     float trim_integral;    /* share of the residual that one sample adds */
@@ -64,8 +62,10 @@ typedef struct {
     uint32_t commit_pause;
 } settings_t;
 
-/* Name of the first field that is not finite or not possible, or a null pointer. Limits: low_V < off_V, loop < high_V and the loop
- * inside the model's range of inputs; ramp_V and fall_V at most step_V; budget within the period; shares in 0 .. 1. */
+/* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V and low_um .. high_um inside the
+ * board's; low_V < off_V, loop < high_V, the loop inside the model's range of inputs; ramp_V and fall_V at most step_V, and such that they cross low_V .. high_V in
+ * state_samples, which are 10 minutes at most; no guard looser than the model's range or slower than a second; trim gains for which the loop of trim, stage and
+ * delay is stable for stages of half to one and a half of the model's gain (tests/firmware/test_trim.py). */
 const char *hysgen_settings_check(const settings_t *settings);
 
 #endif

@@ -87,7 +87,7 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
 
 uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
 {
-    const uint32_t late = (uint32_t)(cycles > settings->budget_cycles) | overrun;
+    const uint32_t late = (uint32_t)(cycles > settings->period_cycles) | overrun;
 
     if (watchdog_count(&self->late, late, settings->bad_samples) != 0u) {
         return STATUS_DEADLINE_MISSED | STATUS_FAULT_DEADLINE;

@@ -195,8 +195,8 @@ def test_the_boards_settings_are_those_of_the_virtual_stage() -> None:
 
 
 def settings_words(settings: Settings) -> dict[str, float]:
-    options = settings.trim + 2 * settings.learn + 4 * settings.keep
-    named = {name: value for name, value in vars(settings).items() if name not in ("trim", "learn", "keep")}
+    options = settings.trim + 2 * settings.learn + 4 * settings.keep + 8 * settings.no_offset
+    named = {name: value for name, value in vars(settings).items() if not isinstance(value, bool)}
     return {"options": options} | {name: float(np.float32(value)) for name, value in named.items()}
 
 
@@ -206,7 +206,7 @@ def as_settings(settings: Any) -> dict[str, float]:
 
 SHORT_WAYS = Settings(
     trim=True, learn=True, step_V=2.0, ramp_V=0.5, fall_V=0.5, loop_low_V=24.0, loop_high_V=54.0, hold_samples=64,
-    offset_smoothing=0.125, approach_um=0.01, reference_step_um=0.05, follow_um=100.0, commit_pause=1, power_samples=16,
+    approach_um=0.01, reference_step_um=0.05, follow_um=3.0, commit_pause=1, power_samples=16,
 )  # fmt: skip
 
 

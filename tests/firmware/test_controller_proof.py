@@ -26,6 +26,7 @@ ADVISORY = {
 ENTRY = f"""
 #include <stddef.h>
 #include "model_stubs.c"
+#include "board.h"
 #include "controller.c"
 #include "settings.c"
 #include "trim.c"
@@ -39,7 +40,7 @@ static uint32_t any(void) {{ return Frama_C_unsigned_int_interval(0u, 0xFFFFFFFF
 int main(void)
 {{
     Frama_C_make_unknown((char *)&settings, sizeof settings);
-    hysgen_controller_init(&controller, &settings);
+    hysgen_controller_init(&controller, &settings, BOARD_SAFE_V);
     if (hysgen_settings_check(&settings) != NULL) {{
         controller.status |= STATUS_FAULT_SETTINGS;
     }}

@@ -76,7 +76,7 @@ def test_an_interrupt_counts_as_lost_beyond_one_and_a_half_periods() -> None:
 
 
 def test_an_interrupt_is_late_beyond_its_budget() -> None:
-    firmware = booted(Settings(budget_cycles=5000))
+    firmware = booted(Settings(period_cycles=5000))
     assert spent(firmware, BoardFault.LATE, 5000) == 0
     assert spent(firmware, BoardFault.LATE, 5001) == FirmwareStatus.DEADLINE_MISSED
 

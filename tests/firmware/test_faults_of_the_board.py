@@ -141,7 +141,7 @@ def test_one_bad_sample_in_ten_is_told_and_survived() -> None:
 @pytest.mark.parametrize("level_um", [50.0, -50.0, 3e38, -3e38])
 def test_a_reference_step_beyond_the_range_is_followed_as_far_and_as_fast_as_allowed(level_um: float) -> None:
     reference_um = np.concatenate([sine(1000), np.full(3000, level_um), np.full(3000, REFERENCE_UM)])
-    settings = replace(SETTINGS, follow_um=5.0)
+    settings = replace(SETTINGS, follow_um=3.0)
     firmware = tracking(settings)
     before_V = firmware.board.output_V
     log = firmware.run(reference_um)
@@ -163,7 +163,9 @@ def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
 def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> None:
     rng = np.random.default_rng(7)
     for _ in range(20):
-        firmware = tracking(replace(SETTINGS, trim=True, bad_samples=1 << 30, follow_um=1e30, stuck_V=1e30))
+        firmware = tracking(
+            replace(SETTINGS, trim=True, bad_samples=50_000, follow_um=3.0, follow_samples=50_000, stuck_samples=50_000)
+        )
         before_V = firmware.board.output_V
         firmware.fail(BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)
         log = firmware.run(rng.integers(0, 1 << 32, 300, dtype=np.uint32).view(np.float32))
@@ -243,20 +245,19 @@ def test_the_ways_up_and_down_are_ramps_through_the_loop() -> None:
 
 
 def test_an_idle_loop_that_hangs_is_left_to_the_hardware_watchdog() -> None:
-    """The interrupt restarts the watchdog for state_samples samples behind the last pass of the idle loop."""
-    settings = replace(SETTINGS, state_samples=5000)
-    firmware = booted(settings)
+    """The interrupt restarts the watchdog for a second behind the last pass of the idle loop."""
+    firmware = booted(SETTINGS)
     firmware.run(np.full(10, REFERENCE_UM))
     board, lib = firmware.board, firmware.image.library.lib
     reference_um, restarted = firmware.image.library.ffi.new("float []", [REFERENCE_UM]), board.alive
     assert restarted == 10
-    for _ in range(6000):
+    for _ in range(51_000):
         board.sample, board.reference_um = 0, reference_um
         lib.hysgen_firmware_interrupt(firmware.firmware, board)
-    assert board.alive == restarted + settings.state_samples - 1
+    assert board.alive == restarted + 50_000 - 1
     lib.hysgen_firmware_idle(firmware.firmware, board)
     lib.hysgen_firmware_interrupt(firmware.firmware, board)
-    assert board.alive == restarted + settings.state_samples
+    assert board.alive == restarted + 50_000
 
 
 def test_a_failed_selftest_keeps_the_stage_off_for_good() -> None:

@@ -30,7 +30,7 @@ def test_an_amplifier_that_is_good_only_while_it_is_on_gets_on(ready_after: int)
 
 
 def test_an_amplifier_that_never_gets_good_is_a_fault_and_switched_off() -> None:
-    firmware = booted(Settings(power_samples=50, hold_samples=512, state_samples=2000))
+    firmware = booted(Settings(power_samples=50, hold_samples=512, state_samples=2000, ramp_V=0.1, fall_V=0.1))
     firmware.board.ready_after = 1 << 30
     firmware.start(REFERENCE_UM, 3000)
     assert (firmware.state, firmware.board.enabled) == (State.TRIPPED, 0)
@@ -115,3 +115,14 @@ def test_clear_on_the_way_down_keeps_the_first_fault() -> None:
     run(firmware, 5000)
     assert (firmware.state, firmware.status) == (State.TRIPPED, 0)
     assert firmware.first_fault == FirmwareStatus.FAULT_AMPLIFIER
+
+
+def test_a_panic_switches_off_and_leaves_the_voltage_at_any_time() -> None:
+    """Before boot, too, where memory is zero."""
+    firmware = tracking(SETTINGS)
+    held_V = firmware.board.output_V
+    lib, ffi = firmware.image.library.lib, firmware.image.library.ffi
+    lib.hysgen_firmware_panic(firmware.firmware, firmware.board)
+    assert (firmware.board.enabled, firmware.board.output_V) == (0, held_V)
+    lib.hysgen_firmware_panic(ffi.new("firmware_t *"), firmware.board)
+    assert (firmware.board.enabled, firmware.board.output_V) == (0, held_V)

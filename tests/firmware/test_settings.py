@@ -16,30 +16,42 @@ IMPOSSIBLE = [
     {"ramp_V": 2.0},  # above step_V: the model would be told what was not put out
     {"low_V": 30.0, "off_V": 31.0, "loop_low_V": 22.0},  # RISE would never end
     {"loop_high_V": 125.0},  # beyond the model's range
-    {"state_samples": 4096},  # HOLD alone takes as long
-    {"period_cycles": 7000},
+    {"state_samples": 4096, "ramp_V": 0.04},  # HOLD alone takes as long
+    {"trim_integral": 1.0},  # the stage swings by 0.66 um for ever
+    {"trim_proportion": 30.0},
+    {"trim_limit_um": 1e30},
+    {"step_V": 1e-6, "ramp_V": 1e-6, "fall_V": 1e-6},  # cannot come down
+    {"high_V": 150.0},  # the D/A would clip
+    {"off_V": 150.0},
+    {"off_V": 1e30},
+    {"low_um": -20.0},  # a rail of the A/D would be a reading
+    {"follow_um": 1e30},  # a guard that never acts
+    {"follow_samples": 4_000_000_000},
+    {"stuck_V": 1e30},
+    {"state_samples": 0},
+    {"state_samples": 4_294_967_295},
 ]
 
 
 def refused(wrong: dict[str, Any]) -> str | None:
-    """The field that the firmware refuses; nothing may move."""
+    """The field that the firmware refuses; the safe voltage of the board is put out, and the watchdog served."""
     firmware = booted(replace(Settings(), **wrong))
     field = firmware.settings_wrong
     if field is not None:
         for request in (Request.START, Request.CLEAR, Request.START):
             firmware.request(request)
             log = firmware.run(np.full(20, REFERENCE_UM))
-            assert np.isfinite(log.output_V).all()
-            assert np.ptp(log.output_V) == 0.0
+            assert (log.output_V == 0.0).all()
         assert firmware.state is State.TRIPPED
         assert FirmwareStatus.FAULT_SETTINGS in firmware.status
+        assert firmware.board.alive == 60
     return field
 
 
 @pytest.mark.parametrize("wrong", IMPOSSIBLE, ids=str)
 def test_impossible_settings_are_refused_by_name(wrong: dict[str, Any]) -> None:
     field = refused(wrong)
-    expected = {"state_samples": "hold_samples", "period_cycles": "budget_cycles"}
+    expected = {"state_samples": {4096: "hold_samples", 0: "ramp_V"}.get(wrong.get("state_samples"), "state_samples")}
     assert field in {expected.get(name, name) for name in wrong}
 
 
@@ -55,7 +67,7 @@ def test_the_settings_of_the_tests_and_the_reference_board_are_possible() -> Non
 
 def test_an_approach_that_never_arrives_is_a_fault() -> None:
     """The reference jumps from end to end at every sample, and nothing can meet it."""
-    settings = Settings(state_samples=6000)
+    settings = Settings(state_samples=6000, ramp_V=0.03)
     firmware = booted(settings)
     firmware.request(Request.START)
     jumps = np.where(np.arange(20_000) % 2 == 0, 0.7, 3.7)
@@ -67,12 +79,12 @@ def test_an_approach_that_never_arrives_is_a_fault() -> None:
 
 
 def test_a_fall_after_a_fault_that_takes_too_long_ends_at_the_largest_rate() -> None:
-    settings = Settings(fall_V=1e-8, state_samples=6000)
-    firmware = tracking(settings)
+    firmware = tracking(Settings(state_samples=6000, ramp_V=0.03))
+    firmware._settings.fall_V = 1e-8  # which hysgen_settings_check refuses
     firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_AMPLIFIER)
     firmware.run(np.full(6100, REFERENCE_UM))
     assert firmware.state is State.TRIPPED
-    assert firmware.board.output_V == settings.off_V
+    assert firmware.board.output_V == 0.0
 
 
 @pytest.mark.slow

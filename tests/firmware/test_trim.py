@@ -13,7 +13,7 @@ from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.model.model import Model
 
 LOW_V, HIGH_V = 22.0, 56.0
-TRIMMED = Settings(trim=True, low_V=0.0, high_V=60.0, follow_um=10.0, trim_limit_um=0.25)
+TRIMMED = Settings(trim=True, low_V=0.0, high_V=60.0, follow_um=3.0, trim_limit_um=0.25)
 
 
 def narrowed() -> Model:
@@ -25,6 +25,35 @@ def mirrored() -> Model:
     """The same with LOW_V + HIGH_V - u in place of u: its gain is negative."""
     q1, q2, q3 = narrowed().consequents.T
     return replace(narrowed(), consequents=np.stack([q1, -q2, q3 + q2 * (LOW_V + HIGH_V)], axis=1))
+
+
+TRIM_PROPORTION, TRIM_INTEGRAL = np.float32(0.4), np.float32(0.1)
+"""Largest gains that hysgen_settings_check takes, of a model without preview."""
+
+
+def largest_pole(proportion: float, integral: float, smoothing: float, delay: int, gain: float) -> float:
+    """Modulus of the largest pole of the loop of trim.h and a stage of `gain` times the model's, `delay` samples late.
+
+    1 + gain z^-delay (I z / (z - 1) + P s z / (z - 1 + s)) = 0
+    """
+    slow, smooth = np.array([1.0, -1.0]), np.array([1.0, smoothing - 1.0])
+    whole = np.polymul(np.r_[1.0, np.zeros(delay)], np.polymul(slow, smooth))
+    trim = np.polymul([1.0, 0.0], np.polyadd(integral * smooth, proportion * smoothing * slow))
+    return float(np.abs(np.roots(np.polyadd(whole, gain * trim))).max())
+
+
+@pytest.mark.parametrize("delay", [1, 2, 3, 5, 9])
+def test_the_largest_gains_that_settings_may_have_leave_the_loop_stable(delay: int) -> None:
+    """delay: preview + 1. Smoothing from none to the whole residual, stages of half to one and a half of the gain."""
+    poles = [
+        largest_pole(proportion, integral / delay, smoothing, delay, gain)
+        for proportion in np.linspace(0.0, TRIM_PROPORTION, 5)
+        for integral in np.linspace(0.002, TRIM_INTEGRAL, 7)
+        for smoothing in np.linspace(0.01, 1.0, 20)
+        for gain in (0.5, 1.0, 1.5)
+    ]
+    assert max(poles) < 1.0
+    assert largest_pole(30.0, 1.0, 0.05, delay, 1.0) > 1.0
 
 
 def started(driven: Model, settings: Settings, reference_um: float) -> HostFirmware:

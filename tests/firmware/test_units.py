@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from firmware.test_trim import TRIM_INTEGRAL, TRIM_PROPORTION
 from fixtures.firmware_bench import ModelStage, model
 from hysgen.firmware import host
 from hysgen.firmware.binding import build_id, firmware_model
@@ -53,39 +54,36 @@ def wrong_field(settings: Settings) -> str | None:
 
 
 LOW_V, HIGH_V = model().u_min_V, model().u_max_V
-ROOMY = Settings(loop_low_V=0.0, loop_middle_V=20.0, low_V=LOW_V - 30.0, high_V=HIGH_V + 30.0)
+BOARD_V, BOARD_UM = (-20.0, 120.0), (-3.276, 13.1077)
+RANGE_UM = np.float32(model().grid.y_max_um) - np.float32(model().grid.y_min_um)
+ROOMY = Settings(loop_low_V=0.0, loop_middle_V=20.0, low_V=BOARD_V[0], high_V=BOARD_V[1])
 RANGES = {
-    "low_V": (-LARGE, None),
-    "high_V": (ROOMY.low_V, LARGE),
+    "low_V": (BOARD_V[0], None),
+    "high_V": (ROOMY.low_V, BOARD_V[1]),
     "off_V": (ROOMY.low_V, ROOMY.high_V),
-    "step_V": (LEAST, LARGE),
-    "ramp_V": (LEAST, ROOMY.step_V),
-    "fall_V": (LEAST, ROOMY.step_V),
+    "step_V": (LEAST, BOARD_V[1] - BOARD_V[0]),
+    "ramp_V": (140 / ROOMY.state_samples, ROOMY.step_V),
+    "fall_V": (140 / ROOMY.state_samples, ROOMY.step_V),
     "loop_low_V": (LOW_V, HIGH_V),
     "loop_high_V": (LEAST, HIGH_V),
     "loop_middle_V": (ROOMY.loop_low_V, ROOMY.loop_high_V),
-    "stroke_um": (LEAST, LARGE),
-    "offset_smoothing": (0.0, 1.0),
-    "offset_um": (LEAST, LARGE),
-    "approach_um": (LEAST, LARGE),
-    "reference_step_um": (LEAST, LARGE),
-    "low_um": (-LARGE, None),
-    "high_um": (ROOMY.low_um, LARGE),
-    "stuck_V": (LEAST, LARGE),
-    "follow_um": (LEAST, LARGE),
-    "trim_integral": (0.0, 1.0),
-    "trim_proportion": (0.0, LARGE),
+    "offset_um": (LEAST, RANGE_UM),
+    "approach_um": (LEAST, RANGE_UM),
+    "reference_step_um": (LEAST, RANGE_UM),
+    "low_um": (BOARD_UM[0], None),
+    "high_um": (ROOMY.low_um, BOARD_UM[1]),
+    "stuck_V": (LEAST, HIGH_V - LOW_V),
+    "follow_um": (LEAST, RANGE_UM),
+    "trim_integral": (0.0, TRIM_INTEGRAL),
+    "trim_proportion": (0.0, TRIM_PROPORTION),
     "trim_smoothing": (0.0, 1.0),
-    "trim_limit_um": (0.0, LARGE),
+    "trim_limit_um": (0.0, RANGE_UM / 2),
 }
 COUNTS = {
-    "state_samples": (1, None),
+    "state_samples": (None, 30_000_000),
     "hold_samples": (1, ROOMY.state_samples - 1),
-    "stuck_samples": (1, 2**32 - 1),
-    "follow_samples": (1, 2**32 - 1),
-    "bad_samples": (1, 2**32 - 1),
+    **{name: (1, 50_000) for name in ("stuck_samples", "follow_samples", "bad_samples")},
     "period_cycles": (1, 2**31 - 1),
-    "budget_cycles": (1, ROOMY.period_cycles),
 }
 
 
@@ -115,9 +113,9 @@ def test_the_loop_keeps_to_the_limits_of_the_output_where_they_are_the_narrower_
     assert wrong_field(replace(narrow, loop_high_V=60.1)) == "loop_high_V"
 
 
-def test_every_option_may_be_set_and_an_eighth_is_refused() -> None:
-    assert wrong_field(replace(ROOMY, trim=True, learn=True, keep=True)) is None
-    assert wrong_field(replace(ROOMY, keep=2)) == "options"  # type: ignore[arg-type]
+def test_every_option_may_be_set_and_a_fifth_is_refused() -> None:
+    assert wrong_field(replace(ROOMY, trim=True, learn=True, keep=True, no_offset=True)) is None
+    assert wrong_field(replace(ROOMY, no_offset=2)) == "options"  # type: ignore[arg-type]
 
 
 # Trim

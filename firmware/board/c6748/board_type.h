@@ -31,6 +31,12 @@
 #define BOARD_DAC_LOW_V        -20.0f
 #define BOARD_DAC_PER_V        468.107143f  /* 65535 codes over 140 V: 2.1 mV */
 #define BOARD_DAC_CODES        65535.0f
+/* Of the converters: what they can put out and read; settings beyond that are refused. */
+#define BOARD_LOW_V            BOARD_DAC_LOW_V
+#define BOARD_HIGH_V           120.0f
+#define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
+#define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
+#define BOARD_HIGH_UM          13.1077f
 
 #define BOARD_PERIOD           500u         /* ticks of the crystal in 20 us: CHIP_OSCILLATOR_HZ / 50000 */
 #define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */

@@ -38,6 +38,7 @@
 --preferred_order=extended_update_diagonal
 --preferred_order=extended_innovations
 --preferred_order=extended_learn
+--preferred_order=extended_simulate
 --preferred_order=extended_snapshot
 --preferred_order=extended_commit
 --preferred_order=hysgen_firmware_idle

@@ -26,8 +26,6 @@ static const settings_t main_settings = {
     .loop_middle_V = 39.0f,
     .power_samples = 100u,
     .hold_samples = 4096u,
-    .stroke_um = 0.5f,
-    .offset_smoothing = 0.001953125f,
     .offset_um = 1.0f,
     .approach_um = 0.001f,
     .state_samples = 250000u,
@@ -40,7 +38,6 @@ static const settings_t main_settings = {
     .follow_samples = 50u,
     .bad_samples = 8u,
     .period_cycles = 7500u,
-    .budget_cycles = 7500u,
     .trim_integral = 0.004f,
     .trim_proportion = 0.05f,
     .trim_smoothing = 0.05f,
@@ -80,7 +77,7 @@ MAIN_INTERRUPT void hysgen_main_tick(void)
     hysgen_firmware_interrupt(&main_firmware, &main_board);
 }
 
-/* From the NMI slot, for exceptions and NMI alike: output to off_V, amplifier off; then the watchdog resets the chip. */
+/* From the NMI slot, for exceptions and NMI alike: amplifier off; then the watchdog resets the chip. */
 void hysgen_main_panic(void);
 void hysgen_main_panic(void)
 {

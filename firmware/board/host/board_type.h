@@ -16,6 +16,13 @@
 #define HOST_FAULT_OVERRUN    7u  /* the next interrupt waits already */
 #define HOST_FAULT_LOST       8u  /* `fault_value` cycles pass between interrupts */
 
+/* Of the converters: settings beyond them are refused. */
+#define BOARD_LOW_V            -20.0f
+#define BOARD_HIGH_V           120.0f
+#define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
+#define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
+#define BOARD_HIGH_UM          13.1077f
+
 #define HOST_NO_CUT 0xFFFFFFFFu
 #define HOST_LINE   512u  /* bytes from the firmware until the test takes them */
 

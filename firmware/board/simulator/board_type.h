@@ -7,6 +7,13 @@
 
 #define SIMULATED_LINE 256u  /* a power of two */
 
+/* Of the converters: settings beyond them are refused. */
+#define BOARD_LOW_V            -20.0f
+#define BOARD_HIGH_V           120.0f
+#define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
+#define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
+#define BOARD_HIGH_UM          13.1077f
+
 typedef struct {
     float reading_um;
     float reference_um;

@@ -131,6 +131,7 @@ class Settings:
     trim: bool = False
     learn: bool = False
     keep: bool = False
+    no_offset: bool = False
     off_V: float = 0.0
     low_V: float = -20.0
     high_V: float = 120.0
@@ -142,8 +143,6 @@ class Settings:
     loop_middle_V: float = 39.0
     power_samples: int = 100
     hold_samples: int = 4096
-    stroke_um: float = 0.5
-    offset_smoothing: float = 2.0**-9
     offset_um: float = 1.0
     approach_um: float = 0.001
     state_samples: int = 250_000
@@ -156,7 +155,6 @@ class Settings:
     follow_samples: int = 50
     bad_samples: int = 8
     period_cycles: int = 7500
-    budget_cycles: int = 7500
     trim_integral: float = 0.004
     trim_proportion: float = 0.05
     trim_smoothing: float = 0.05
@@ -354,7 +352,8 @@ class HostFirmware:
 
 def _settings(settings: Settings) -> dict[str, float]:
     values = {each.name: getattr(settings, each.name) for each in fields(Settings)}
-    return {"options": 1 * values.pop("trim") + 2 * values.pop("learn") + 4 * values.pop("keep"), **values}
+    options = sum(values.pop(name) << bit for bit, name in enumerate(("trim", "learn", "keep", "no_offset")))
+    return {"options": options, **values}
 
 
 def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -> str:

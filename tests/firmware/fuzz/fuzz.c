@@ -73,7 +73,7 @@ static uint32_t broken_output(const fuzz_t *self, float before_V)
     uint32_t broken = 0u;
 
     if (self->refused != 0u) {
-        broken = (u_V != before_V) ? FUZZ_REFUSED : 0u;
+        broken = (u_V != BOARD_SAFE_V) ? FUZZ_REFUSED : 0u;
     } else if ((number_finite(u_V) == 0u) || (u_V < s->low_V) || (u_V > s->high_V)) {
         broken = FUZZ_RANGE;
     } else if (number_size(u_V - before_V) > s->step_V + ROUNDING_V) {
@@ -256,10 +256,10 @@ static void reset(fuzz_t *self)
     self->locked = self->board.restarted;
     self->armed = 0u;
     if (self->board.restarted != 0u) {
-        const float off_V = (number_finite(self->settings.off_V) != 0u) ? self->settings.off_V : 0.0f;
+        const float held_V = self->board.output_V;
 
         hysgen_firmware_panic(&self->firmware, &self->board);
-        self->broken |= ((self->board.output_V != off_V) || (self->board.enabled != 0u)) ? FUZZ_PANIC : 0u;
+        self->broken |= ((self->board.output_V != held_V) || (self->board.enabled != 0u)) ? FUZZ_PANIC : 0u;
     }
     self->board.enabled = 0u;  /* the pin, by its pull-down */
     boot(self);

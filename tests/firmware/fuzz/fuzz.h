@@ -10,9 +10,9 @@
 #define FUZZ_RATE        0x02u  /* the voltage changed by more than step_V in a sample */
 #define FUZZ_APART       0x04u  /* TRACK, sound sensor: model and stage differ by more than follow_um, without a fault in time */
 #define FUZZ_PARAMETERS  0x08u  /* parameters of the next start are neither built in nor of a certified image nor committed */
-#define FUZZ_REFUSED     0x10u  /* the voltage changed although the settings were refused */
+#define FUZZ_REFUSED     0x10u  /* the voltage is not the safe one although the settings were refused */
 #define FUZZ_STORE       0x20u  /* a reset lost the parameters of an image that was acknowledged */
-#define FUZZ_PANIC       0x40u  /* hysgen_firmware_panic left a voltage other than off_V, or the amplifier on */
+#define FUZZ_PANIC       0x40u  /* hysgen_firmware_panic changed the voltage, or left the amplifier on */
 #define FUZZ_CORRECTION  0x80u  /* offset or trim beyond their limits while the inverse drives */
 #define FUZZ_STUCK       0x100u /* the input moved by stuck_V while the reading repeated itself, and no fault was told */
 #define FUZZ_STATUS      0x200u /* a bit of the status word disappeared without CLEAR */

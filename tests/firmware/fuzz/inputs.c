@@ -26,7 +26,7 @@ void fuzz_settings(fuzz_t *self)
     settings_t *s = &self->settings;
     float *voltages = &s->off_V;
 
-    s->options = fuzz_below(self, 8u);
+    s->options = fuzz_below(self, 16u);
     if (fuzz_below(self, 2u) == 0u) {
         s->options &= ~SETTINGS_LEARN;  /* which takes half of the time of a case */
     }
@@ -41,11 +41,9 @@ void fuzz_settings(fuzz_t *self)
     s->loop_middle_V = fuzz_float(self, 30.0f, 40.0f);
     s->power_samples = 1u + fuzz_below(self, 20u);
     s->hold_samples = 1u + fuzz_below(self, 200u);
-    s->stroke_um = fuzz_float(self, 0.3f, 2.0f);
-    s->offset_smoothing = fuzz_float(self, 0.0f, 1.0f);
     s->offset_um = fuzz_float(self, 0.3f, 2.0f);
     s->approach_um = fuzz_float(self, 0.001f, 0.1f);
-    s->state_samples = 1000u + fuzz_below(self, 100000u);
+    s->state_samples = 20000u + fuzz_below(self, 100000u);
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
     s->low_um = -3.2f;
     s->high_um = 13.0f;
@@ -54,8 +52,7 @@ void fuzz_settings(fuzz_t *self)
     s->follow_um = fuzz_float(self, 0.05f, 1.0f);
     s->follow_samples = 1u + fuzz_below(self, 50u);
     s->bad_samples = 1u + fuzz_below(self, 20u);
-    s->period_cycles = 7500u;
-    s->budget_cycles = 1u + fuzz_below(self, 7500u);
+    s->period_cycles = 1u + fuzz_below(self, 15000u);
     s->trim_integral = fuzz_float(self, 0.0f, 0.02f);
     s->trim_proportion = fuzz_float(self, 0.0f, 0.3f);
     s->trim_smoothing = fuzz_float(self, 0.0f, 1.0f);

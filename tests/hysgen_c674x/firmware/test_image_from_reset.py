@@ -16,7 +16,7 @@ from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model
 from hysgen.firmware.binding import build_id, firmware_model
-from hysgen.firmware.host import HostFirmware, Request, State
+from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, State
 from hysgen.firmware.image import Label, encode
 from hysgen.firmware.link import Client
 from hysgen_c674x.firmware.boot_image import boot_image
@@ -62,9 +62,14 @@ class Run:
         self.codes.append(int(np.clip(np.rint((y_um - 4.916) / 0.00025), -32768, 32767)))
         return y_um
 
-    def reset(self) -> System:
-        """Reset; returns the system in front of its first interrupt, with the reference in place."""
+    def reset(self, before: System | None = None) -> System:
+        """Reset; returns the system in front of its first interrupt, with the reference in place.
+
+        before: the system before, whose memory behind the stack a reset under power leaves alone.
+        """
         system = self.board.reset(firmware().image, firmware().packets)
+        if before is not None:
+            system.view("hysgen_start_kept", 2)[:] = before.view("hysgen_start_kept", 2)
         text = b""
         while not text.endswith(b"frames from here on\r\n\0"):
             assert system.run(PERIOD), "reset during the boot"
@@ -123,16 +128,19 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
     assert abs(run.board.state.dog_served - run.board.state.interrupts) <= 1
     assert not run.board.violations
 
-    # NMI: output to off_V, amplifier off; nobody serves the watchdog, which resets the chip within 10 ms.
+    # NMI: the amplifier off, the word of the D/A as it was; nobody serves the watchdog, which resets within 10 ms.
     system.raise_nmi()
     assert system.run(2000)
-    assert abs(run.board.output_V) < 0.002
     assert not run.board.enabled
     assert not system.run(600 * PERIOD)
     assert system.cycle > 400 * PERIOD
 
-    system = run.reset()
+    system = run.reset(before=system)
     assert run.text == text_of("image 7")
+    client = Client(SimulatedLine(run.board, system), timeout_s=60.0)
+    assert FirmwareStatus(client.status().first_fault) == FirmwareStatus.FAULT_EXCEPTION
+    assert State(client.status().state) is State.TRIPPED
+    assert not run.board.enabled
     assert not run.board.violations
 
 

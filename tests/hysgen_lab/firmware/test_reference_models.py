@@ -67,7 +67,7 @@ def on_page(row: str, name: str) -> str:
 def test_the_image_links_into_the_targets_memories(name: str) -> None:
     need_compiler()
     built = linked(name)
-    assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack"}
+    assert {section.name for section in built.sections} == {".vectors", ".text", ".rodata", ".bss", ".stack", ".kept"}
     assert all(size <= MEMORIES[memory][1] for memory, size in built.used.items())
     symbols = built.firmware.image.symbols
     # No function of the compiler's library: its copy uses a hardware loop, whose counter the interrupt does not save.
@@ -82,7 +82,7 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
     main = (FOLDERS.parent / "board" / "c6748" / "main.c").read_text(encoding="utf-8")
     written = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([-\d.]+)[fu],$", main, re.MULTILINE)}
     tried = dataclasses.asdict(Settings())
-    assert not any(tried.pop(option) for option in ("trim", "learn", "keep"))
+    assert not any(tried.pop(option) for option in ("trim", "learn", "keep", "no_offset"))
     assert written == pytest.approx({"options": 0} | tried, rel=1e-7)
 
 
@@ -94,7 +94,7 @@ def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str)
     run = simulate(MODELS[name], generated(name), compiled(name), 2500)
     assert run.equal
     assert run.commits >= 1
-    assert {"RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
+    assert {"POWER", "RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
     # The longest path through the interrupt and one call of commit. The static bound contains learn_init and learn, but
     # no sample calls both: learning begins in the sample after learn_init.
     interrupt, commit, begin = (
