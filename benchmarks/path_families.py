@@ -45,7 +45,7 @@ from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, Trace, refine, rms
 from hysgen.diagnosis.search import SearchResult, search, thinned
 from hysgen.errors import HysgenError
-from hysgen.fitting import FitSettings, estimate_starts, fit
+from hysgen.fitting import FitSettings, fit
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
@@ -188,20 +188,15 @@ def _with_errors(stage: Row, hidden: Plant) -> Row:
         diagnosis = diagnose(record, holdout=other)
     seconds = time.perf_counter() - begun
     prepared = prepare(record, other)
-    unscored = prepared.unscored[-1:]
-    starts = estimate_starts(diagnosis.model, other, unscored)
     runs = {
         "paper": free_run(fit(record, FitSettings()), other)[0].y_um,
-        "delivered": free_run(diagnosis.model, other, starts)[0].y_um,
+        "delivered": free_run(diagnosis.model, other)[0].y_um,
         "found": predicted(kept[-1].fit, prepared, other),
         "true": predicted(refine(thinned(prepared.scene()), true_chain(hidden), rounds=30), prepared, other),
     }
     scored = prepared.held_rows - record.samples
     errors = {name: 1e3 * (run - other.segments[0].y_um) for name, run in runs.items()}
-    errors = {
-        name: (error if name == "delivered" else without_offset(error, unscored[0]))[scored]
-        for name, error in errors.items()
-    }
+    errors = {name: without_offset(error, int(scored[0]))[scored] for name, error in errors.items()}
     return replace(
         stage,
         rms_nm={name: rms(error) for name, error in errors.items()},
@@ -212,7 +207,7 @@ def _with_errors(stage: Row, hidden: Plant) -> Row:
 
 
 def without_offset(error_nm: Floats, count: int) -> Floats:
-    """The error without the offset that its first `count` rows show, estimated as for the delivered model."""
+    """The error without the offset that its first `count` rows show: their mean, shrunk by their scatter."""
     shown = error_nm[count // 3 : count]
     mean, deviation = float(np.mean(shown)), float(np.std(shown))
     return error_nm - mean * mean**2 / (mean**2 + deviation**2)

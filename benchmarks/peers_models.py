@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from own_process import Done, alone
 
-from hysgen.fitting import FitSettings, PathSize, estimate_starts, fit
+from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.rivals import fit_prandtl_ishlinskii
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
@@ -112,12 +112,12 @@ def play_run(record: Record, fresh: Record) -> Callable[[], Floats]:
     return lambda: fit_prandtl_ishlinskii(record).free_run(fresh)[0]
 
 
-def hysgen_run(record: Record, fresh: Record, unscored: int) -> Callable[[], Floats]:
-    """The free run of the fitted model, its state estimated from the rows that are not scored."""
+def hysgen_run(record: Record, fresh: Record) -> Callable[[], Floats]:
+    """The free run of the fitted model."""
 
     def task() -> Floats:
         model = fit(record, FitSettings(method="batch", memory=PathSize()))
-        return free_run(model, fresh, estimate_starts(model, fresh, [unscored]))[0].y_um
+        return free_run(model, fresh)[0].y_um
 
     return task
 
@@ -128,7 +128,7 @@ MODELS = ("NARX", "P-I", "Bouc-Wen", "hysgen")
 def compared(record: Record, fresh: Record) -> dict[str, tuple[float, Done]]:
     """Free-run error [nm rms] and cost by model.
 
-    The first third of `fresh` is not scored; it gives every model an offset and this project's its start.
+    The first third of `fresh` is not scored; it gives every model an offset.
     """
     u, y = record.segments[0].u_V, record.segments[0].y_um
     u_new, y_new = fresh.segments[0].u_V, fresh.segments[0].y_um
@@ -137,7 +137,7 @@ def compared(record: Record, fresh: Record) -> dict[str, tuple[float, Done]]:
         "NARX": alone(narx_run, u, y, u_new, y_new),
         "P-I": alone(play_run, record, fresh),
         "Bouc-Wen": alone(bouc_wen_run, u, y, u_new, y_new),
-        "hysgen": alone(hysgen_run, record, fresh, third),
+        "hysgen": alone(hysgen_run, record, fresh),
     }
     found = {}
     for name, each in done.items():

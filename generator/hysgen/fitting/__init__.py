@@ -1,7 +1,6 @@
 """Fitting: from a record to a model whose certificates hold."""
 
 from hysgen.fitting.identify import fit, fit_path, path_task
-from hysgen.fitting.initial_state import estimate_starts
 from hysgen.fitting.operator import CURVE, PathSize
 from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
 from hysgen.fitting.settings import FitSettings, Method
@@ -13,7 +12,6 @@ __all__ = [
     "PathColumns",
     "PathSize",
     "PathTask",
-    "estimate_starts",
     "fit",
     "fit_path",
     "known_past",

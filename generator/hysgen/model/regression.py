@@ -33,9 +33,6 @@ Trust = Sequence[Floats]
 Starts = Sequence[Mapping[str, Floats]]
 """One mapping per segment: the state of a term before sample 0, by its kind; other terms start at rest."""
 
-OFFSET = "offset"
-"""Key of an offset of w in a mapping of initial states: a sensor's zero that has moved since the model was fitted."""
-
 ROWS_PER_CHUNK = 8192
 """Rows per chunk: a few megabytes, independent of the length of the record."""
 
@@ -91,8 +88,6 @@ def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
     u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
     v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s, structure.w_range, start))
-    if start and OFFSET in start:
-        v_V = v_V + start[OFFSET]
     return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
 
 
