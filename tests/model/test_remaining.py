@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 N, TS_S = 4000, 1e-3
 T_S = TS_S * np.arange(N)
 NAMED = Named(
-    (Creep(0.02, (0.1, 1.0, 10.0)), Modes((87.0,), (0.02,), (0.3,), 1e-3)), (50.0, 29.1619), (("drift", ramp),)
+    (Creep(0.02, (0.1, 1.0, 10.0)), Modes((87.0,), (0.02,), (0.3,), 1e-3)), (50.0, 29.1619), (("drift", ramp),), True
 )
 
 
@@ -108,3 +108,17 @@ def test_the_misfit_of_a_model_is_not_taken_out() -> None:
     found = [taken_over_noise(seed, 3.0) for seed in range(200, 260)]
     # The misfit is three times the noise; a tenth of it may resemble a drift or the level of the sensor.
     assert sum(share > 0.3 for share in found) <= 3, sorted(found)[-5:]
+
+
+def test_a_coarser_model_has_nothing_more_taken_out_than_a_finer_one_of_the_same_record() -> None:
+    assert NAMED.only({"jump", "outliers"}) == Named()
+    assert NAMED.only({"periodic"}) == Named(lines_Hz=NAMED.lines_Hz)
+    assert NAMED.only({"past", "drift"}) == dataclasses.replace(NAMED, lines_Hz=())
+    rng = np.random.default_rng(9)
+    moved, noise = motion_um(rng), rng.normal(scale=0.01, size=N)
+    best = left_of(DISTURBANCES["jump"], moved, noise)
+    measured = moved + DISTURBANCES["jump"] + noise
+    coarse_um = moved + 0.1 * np.sin(3.0 * moved)
+    left = take_out([coarse_um - measured], [measured], [np.arange(N) >= 1], TS_S, Named(), best)
+    np.testing.assert_allclose(left.error_um[0], coarse_um - measured + best.sudden_um[0])
+    assert left.rms_um == pytest.approx(float(np.std(coarse_um - moved - noise)), rel=0.01)

@@ -90,5 +90,5 @@ def named_by(extensions: Mapping[str, Extension]) -> Named:
     blocks = [e.block for e in extensions.values() if e.block is not None and e.block.responds]
     lines_Hz = [f_Hz for e in extensions.values() if isinstance(e.term, Periodic) for f_Hz in e.term.f_Hz]
     courses = [(name, e.correction.course) for name, e in extensions.items() if e.correction is not None]
-    responds = bool(blocks) or any(e.size is not None for e in extensions.values())
-    return Named(tuple(blocks), tuple(lines_Hz), tuple(courses), responds)
+    level = bool(blocks or courses) or any(e.size is not None for e in extensions.values())
+    return Named(tuple(blocks), tuple(lines_Hz), tuple(courses), level)

@@ -133,18 +133,26 @@ def _rung(names: Sequence[str], model: Model, level: Record) -> Rung:
 
 
 def left_by(
-    prepared: Prepared, extensions: Mapping[str, Extension], error_um: Floats, beside: Remaining | None = None
+    prepared: Prepared,
+    extensions: Mapping[str, Extension],
+    error_um: Floats,
+    beside: Remaining | None = None,
+    finer: bool = False,
 ) -> Remaining:
     """What a model leaves of the held-out rows without what no model can know, as far as its extensions name it.
 
-    error_um: (n,) yhat - y over all rows, of a model with these extensions. beside: as for `take_out`.
+    error_um: (n,) yhat - y over all rows, of a model with these extensions. beside: as for `take_out`; a model
+    that is not finer has nothing more taken out than that one.
     """
     record = levelled(prepared, list(extensions.values()))
     lengths = [segment.samples for segment in record.segments]
     held = np.isin(np.arange(record.samples), prepared.held_rows)
     measured = [segment.y_um for segment in record.segments]
     errors, scored = np.split(error_um, np.cumsum(lengths)[:-1]), np.split(held, np.cumsum(lengths)[:-1])
-    return take_out(errors, measured, scored, record.Ts_s, named_by(extensions), beside)
+    named = named_by(extensions)
+    if beside is not None and not finer:
+        named = named.only({taken.cause for taken in beside.taken})
+    return take_out(errors, measured, scored, record.Ts_s, named, beside)
 
 
 def add_online_parts(model: Model, extensions: Sequence[Extension], span_s: float, noise_um: float) -> Model:

@@ -77,7 +77,7 @@ def left_over(
     prepared: Prepared, chain: Chain, extensions: Mapping[str, Extension], model: Remaining, noise_um: float
 ) -> Left:
     """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves."""
-    probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model)
+    probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
     return Left(
         model.rms_um,
         model.rms_um / max(noise_um, 1e-300),

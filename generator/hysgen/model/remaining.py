@@ -21,7 +21,7 @@ prediction and its square, in the rows around it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
@@ -84,7 +84,13 @@ class Named:
         lines = (term.f_Hz for term in model.terms if isinstance(term, Periodic))
         drifts = tuple(("drift", ramp) for term in model.terms if isinstance(term, Drift))
         blocks = tuple(block for block in model.blocks if block.responds)
-        return cls(blocks, next(lines, ()), drifts, bool(blocks))
+        return cls(blocks, next(lines, ()), drifts, bool(blocks or drifts))
+
+    def only(self, causes: Collection[str]) -> Named:
+        """The part of some causes: what a better model of the same record shows no evidence of is misfit here, too."""
+        courses = tuple((cause, course) for cause, course in self.courses if cause in causes)
+        lines_Hz = self.lines_Hz if "periodic" in causes else ()
+        return Named(self.blocks if "past" in causes else (), lines_Hz, courses, self.level and "past" in causes)
 
 
 def ramp(t_s: Floats, predicted_um: Floats) -> Floats:
@@ -216,7 +222,7 @@ def _left_of_segment(
 def _groups(named: Named, t_s: Floats, predicted_um: Floats) -> list[_Group]:
     """The groups of columns that are named, on rows at t_s after the start of a segment."""
     groups = []
-    if named.level or named.blocks or named.courses:
+    if named.level:
         # The sensor's zero may have moved; a free response that fades within a row shows nothing.
         past = [np.ones(t_s.size), *(column for block in named.blocks for column in block.free_responses(t_s))]
         shown = [column for column in past if np.abs(column).sum() > 1.0]
