@@ -21,6 +21,8 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 # Output folds at the width of a terminal, which pytest-xdist states here.
 os.environ.pop("COLUMNS", None)
+# `make` of a test is no part of the `make` that started the run: it would warn of the other's job server.
+os.environ.pop("MAKEFLAGS", None)
 # The processes of pytest-xdist use the cores.
 os.environ.setdefault("HYSGEN_PROCESSES", "1")
 

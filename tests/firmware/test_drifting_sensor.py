@@ -7,8 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from firmware.test_output_limits import extended_image
-from fixtures.firmware_bench import ModelStage, image, model, sine
+from fixtures.firmware_bench import ModelStage, extended_image, image, model, sine
 from hysgen.firmware.host import FirmwareStatus, HostFirmware, Settings, State
 from hysgen.model.path import preview
 from hysgen_lab.firmware.reference_models import extended

@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import WARNINGS, ModelStage, image, model
-from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, HostImage, Settings, State
-from hysgen.machine.native import Toolchain, default_toolchain
+from fixtures.firmware_bench import ModelStage, extended_image, image, model
+from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Settings, State
 from hysgen.model.path import preview
 from hysgen_lab.firmware.reference_models import extended
 
 CENTRE_UM = 2.0
 NOISE_NM = 0.1
-
-
-@functools.cache
-def extended_image() -> HostImage:
-    toolchain = Toolchain(default_toolchain().command, ("-O2", "-Werror", *WARNINGS))
-    return HostImage.compile("extended", firmware_model(extended()), toolchain)
 
 
 def started(name: str, settings: Settings) -> HostFirmware:

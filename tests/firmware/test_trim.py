@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import ModelStage, model
+from fixtures.firmware_bench import TRIM_INTEGRAL, TRIM_PROPORTION, ModelStage, model
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.model.model import Model
@@ -25,10 +25,6 @@ def mirrored() -> Model:
     """The same with LOW_V + HIGH_V - u in place of u: its gain is negative."""
     q1, q2, q3 = narrowed().consequents.T
     return replace(narrowed(), consequents=np.stack([q1, -q2, q3 + q2 * (LOW_V + HIGH_V)], axis=1))
-
-
-TRIM_PROPORTION, TRIM_INTEGRAL = np.float32(0.4), np.float32(0.1)
-"""Largest gains that hysgen_settings_check takes, of a model without preview."""
 
 
 def largest_pole(proportion: float, integral: float, smoothing: float, delay: int, gain: float) -> float:

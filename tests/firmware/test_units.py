@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from firmware.test_trim import TRIM_INTEGRAL, TRIM_PROPORTION
-from fixtures.firmware_bench import ModelStage, model
+from fixtures.firmware_bench import TRIM_INTEGRAL, TRIM_PROPORTION, ModelStage, model
 from hysgen.firmware import host
 from hysgen.firmware.binding import build_id, firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings
