@@ -148,7 +148,7 @@ def test_a_host_library_exports_what_is_called_and_nothing_else(tmp_path: Path) 
     host = Host(name, texts)
     public = {f"{name}_{function.name}" for function in host.interface.functions}
     drivers = {"hysgen_driver_flushes", "hysgen_driver_commit", *(f"hysgen_driver_{entry}" for entry in host.entries)}
-    called = {f"hysgen_firmware_{f}" for f in ("boot", "interrupt", "idle", "status")} | {"hysgen_host_run"}
+    called = {f"hysgen_firmware_{f}" for f in ("boot", "interrupt", "idle", "status", "panic")} | {"hysgen_host_run"}
     stage = {"hysteresis_clear", "hysteresis_move", "hysteresis_path", "plant_rest", "plant_run", "plant_step"}
     assert exported_names(firmware_bench.image().library.path) == called
     assert exported_names(host._library.path) == public | drivers
