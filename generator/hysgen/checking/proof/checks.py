@@ -17,6 +17,7 @@ from hysgen.checking.proof.emulated_equality import EmulatedReport, EmulationSet
 from hysgen.checking.proof.emulated_program import Platform
 from hysgen.checking.proof.eva.report import prove as prove_by_eva
 from hysgen.checking.proof.misra import misra
+from hysgen.checking.proof.translation import translation
 from hysgen.checking.proof.warnings import wall
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
@@ -119,6 +120,11 @@ def _sanitize(model: Model, texts: Mapping[str, str], settings: CheckSettings, p
     return Checked(report, report.equal)
 
 
+def _equal(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:
+    report = translation(model, texts, progress=progress)
+    return Checked(report, report.holds)
+
+
 def _eva(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:
     report = prove_by_eva(model, texts, calls=settings.calls, take_out=settings.take_out, progress=progress)
     return Checked(report, report.holds)
@@ -128,6 +134,7 @@ CHECKS: Final[Mapping[str, Callable[[Model, Mapping[str, str], CheckSettings, Pr
     "warnings": _warnings,
     "misra": _misra,
     "sanitize": _sanitize,
+    "equal": _equal,
     "eva": _eva,
 }
 

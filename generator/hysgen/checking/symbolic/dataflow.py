@@ -133,6 +133,10 @@ class Graph:
         """The word at address + offset; `after`: earlier stores to the same place."""
         return self._node("load", (address,), offset, after=tuple(after))
 
+    def indexed(self, words: Sequence[Op], distance: Op, offset: int) -> Op:
+        """The word at byte offset + distance of an array of words (`indexed.element`)."""
+        return self._node("element", (distance, *words), offset)
+
     def store(self, address: Op, offset: int, value: Op, after: Sequence[Op] = (), beside: Sequence[Op] = ()) -> Op:
         """The store of a word; it is never shared."""
         self.count += 1

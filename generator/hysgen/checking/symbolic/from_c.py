@@ -10,17 +10,19 @@ an address that depends on data inside an `if`) is refused with KernelRefusalErr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from pycparser import c_ast
 
-from hysgen.checking.symbolic.dataflow import Graph, Kernel
+from hysgen.checking.symbolic.dataflow import Graph, Kernel, Op
 from hysgen.checking.symbolic.expressions import Expressions
-from hysgen.checking.symbolic.memory import Branches, Place, SymbolicMemory, Value, Whole, size_of
+from hysgen.checking.symbolic.indexed import IndexedMemory
+from hysgen.checking.symbolic.memory import WORD, Branches, Place, SymbolicMemory, Value, Whole, size_of
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
-from hysgen.codegen.operations.text import Array, Pointer, StructType, Type
+from hysgen.codegen.operations.text import INTEGER, Array, Pointer, StructType, Type
 
 MOST_OPERATIONS: Final = 12_000
 """Operations of a kernel, bounded because a schedule's time and code grow with them."""
@@ -32,11 +34,28 @@ def kernel(source: Source, function: str) -> Kernel:
     return _Execution(source, graph, SymbolicMemory(graph, source.tables)).run(function)
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What a call leaves: the words of each struct behind a pointer parameter, by its name, and the returned word."""
+
+    structs: Mapping[str, tuple[Op, ...]]
+    result: Op | None
+
+
+def outcome(source: Source, graph: Graph, function: str, arguments: Sequence[Op | Sequence[Op]]) -> Outcome:
+    """The words that `function` leaves, of arguments that are words, or the words of the struct that a pointer is to.
+
+    No two pointers may be to the same struct. Raises KernelRefusalError for C outside the subset.
+    """
+    return _Execution(source, graph, IndexedMemory(graph, source.tables), math.inf).outcome(function, arguments)
+
+
 @dataclass
 class _Execution:
     source: Source
     graph: Graph
     memory: SymbolicMemory
+    most_operations: float = MOST_OPERATIONS
     locals: int = 0
 
     def __post_init__(self) -> None:
@@ -69,6 +88,29 @@ class _Execution:
         tables = {name: self.source.tables[name][1] for name in self.memory.bases if name in self.source.tables}
         return Kernel(function, len(arguments), stores, result, tables, frozenset(aligned))
 
+    def outcome(self, function: str, arguments: Sequence[Op | Sequence[Op]]) -> Outcome:
+        node = self.source.functions[function]
+        values: list[Value] = []
+        structs: dict[str, tuple[str, int]] = {}
+        for parameter, given in zip(node.decl.type.args.params, arguments, strict=True):
+            if isinstance(given, Op):
+                values.append(given)
+                continue
+            kind = self.source.types.of(parameter.type)
+            assert isinstance(kind, Pointer), f"{function}: {parameter.name} is no pointer"
+            place = self._local(parameter.name, kind.to)
+            for k, word in enumerate(given):
+                self.memory.write(place.at(WORD * k, INTEGER), word)
+            structs[parameter.name] = place.memory, len(given)
+            values.append(place)
+        result = self._call(function, values)
+        left: dict[str, tuple[Op, ...]] = {}
+        for name, (memory, count) in structs.items():
+            words = [self.memory.read(Place(memory, WORD * k, INTEGER)) for k in range(count)]
+            assert all(isinstance(word, Op) for word in words), f"{function}: {name} holds a pointer"
+            left[name] = tuple(word for word in words if isinstance(word, Op))
+        return Outcome(left, result if isinstance(result, Op) else None)
+
     def _call(self, function: str, arguments: Sequence[Value]) -> Value:
         name = self.source.name
         if function in (f"{name}_bits", f"{name}_float"):
@@ -93,8 +135,8 @@ class _Execution:
 
     def _block(self, statements: Sequence[c_ast.Node], scope: dict[str, Place]) -> tuple[bool, Value]:
         """Execute; whether it returned, and the value."""
-        if self.graph.count > MOST_OPERATIONS:
-            raise KernelRefusalError(f"more than {MOST_OPERATIONS} operations")
+        if self.graph.count > self.most_operations:
+            raise KernelRefusalError(f"more than {self.most_operations} operations")
         for k, statement in enumerate(statements):
             match statement:
                 case c_ast.If():

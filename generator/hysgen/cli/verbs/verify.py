@@ -30,9 +30,10 @@ PROVE_HELP = """\
 Show of generated C, without running it on the target, what can be shown: warnings, MISRA rules, sanitizers, proofs.
 
 warnings: gcc and clang under one wall of flags. misra: cppcheck's add-on; every finding of a required rule is red.
-sanitize: the C runs under gcc's sanitizers on every kind of input. eva: Frama-C proves, for every input and every state
-inside the certified box, that nothing fails, that no float becomes infinite or NaN, and that the state is then inside
-the box again. docs/proof.md says what is assumed.
+sanitize: the C runs under gcc's sanitizers on every kind of input. equal: the C computes the bits of the reference for
+every input, function by function (with the solver of `pip install 'hysgen[prove]'`). eva: Frama-C proves, for every
+input and every state inside the certified box, that nothing fails, that no float becomes infinite or NaN, and that the
+state is then inside the box again. docs/proof.md says what is assumed.
 """
 
 TARGET_SAMPLES = 4000

@@ -96,6 +96,7 @@ class ChainMirror:
         if self._late:
             self._respond(responses, self.v_V)
         wanted = self._inside(w) if responses else w
+        beyond = ((w < limits.w_min) | (w > limits.w_max)) & bool(responses)
         solved, target = wanted, wanted
         for mirror, solves in zip(reversed(responses), reversed(self._solves), strict=True):
             solved = flushed(mirror.solve(solved)) if solves else solved
@@ -112,8 +113,8 @@ class ChainMirror:
         reached, met = self._respond(responses, v)
         if self._late and responses:
             self._respond(self._responses, self._late.arrived())
-        clamped = allowed != solved
-        held = clamped | (wanted != w) | (v.view(np.uint32) != allowed.view(np.uint32))
+        clamped = (solved < low_V) | (solved > high_V)
+        held = clamped | beyond | (v.view(np.uint32) != allowed.view(np.uint32))
         missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)
         at_end = (v <= low_V) | (v >= high_V)
         missed &= bool(responses)

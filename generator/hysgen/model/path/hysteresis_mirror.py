@@ -57,6 +57,7 @@ LEAST_SLOPE: Final = 0.02
 
 LOG2_E: Final = 1.4426950408889634
 
+_SIGN: Final = np.uint32(31)
 ZERO, ONE, TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
 
 Flags = NDArray[np.bool_]
@@ -198,9 +199,11 @@ class HysteresisMirror(BlockMirror):
             self._sum_plays()
             h = h + self.sum_um[0]
         if len(self._numbers.duhem):
-            falls = (x < self.last) | ((self.last < self.turn) & (x <= self.last))
+            step, fell = bits_of(x - self.last), self.last < self.turn
+            falls = ((step >> _SIGN) != 0) | (fell & (step == 0))
+            way = np.where(falls ^ fell, x - self.last, x - self.turn)
             self.turn, self.left = self._turned(falls)
-            decays = self._decays(np.abs(x - self.turn), limit=True)
+            decays = self._decays(np.abs(way), limit=True)
             states = [ONE - left * e for left, e in zip(self.left, decays, strict=True)]
             self.back = [ONE + d for d in states]
             parts = [d * (b + c * np.abs(d)) for d, (b, c, _) in zip(states, self._numbers.duhem, strict=True)]
@@ -212,8 +215,9 @@ class HysteresisMirror(BlockMirror):
         """sum_um[j] = sum_um[j + 1] + g_j(z_j),    g(z) = z (c_1 + z (c_2 + z (c_3 + ...)))"""
         z = np.array(self.play)
         parts_um = z * _horner(z, self._numbers.play.T[1:, :, None])
+        total_um = np.zeros_like(self.sum_um[0])
         for j in reversed(range(len(self.play))):
-            self.sum_um[j] = self.sum_um[j + 1] + parts_um[j]
+            total_um = self.sum_um[j] = total_um + parts_um[j]
 
     def solve(self, wanted: Floats32) -> Floats32:
         """Voltages, (lanes,), for which `apply` would return `wanted`: the last of `iterates`."""
@@ -268,7 +272,7 @@ class HysteresisMirror(BlockMirror):
         if not len(self._numbers.duhem):
             return []
         e = power_of_two(way * self._numbers.rate)
-        found = [np.where(e > ONE, ONE, e) if limit else e]
+        found = [np.where(bits_of(e) > ONE.view(np.uint32), ONE, e) if limit else e]
         while len(found) < len(self._numbers.duhem):
             found.append(found[-1] * found[-1])
         return found
