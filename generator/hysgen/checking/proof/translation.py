@@ -136,7 +136,7 @@ def _proved(model: Model, source: Source, interface: Any, function: str) -> Func
         open_words.append(path)
         wrong = np.flatnonzero(sweep.values(got) != sweep.values(expected))
         if wrong.size and not difference:
-            in_c, in_reference = (int(sweep.values(each)[wrong[0]]) for each in (got, expected))
+            in_c, in_reference = (int(sweep.values(op)[wrong[0]]) for op in (got, expected))
             difference = (
                 f"{path}: {in_c:#010x} in C, {in_reference:#010x} in the reference, for {call.sample(int(wrong[0]))}"
             )
@@ -185,7 +185,7 @@ class _Call:
     def _reference(self, before: Mapping[str, Op], active: int) -> tuple[dict[str, Op], Any]:
         """Words that the reference leaves, by their path in C, and what it returns."""
         graph, model = self.graph, self.model
-        arguments = [Symbols.of(graph, [each], np.float32) for each in self.arguments]
+        arguments = [Symbols.of(graph, [argument], np.float32) for argument in self.arguments]
         start = np.zeros(1, np.float32)
         lanes = Instance(model, start, start)
         paths = [word.path for word in self.words][1 : 1 + len(lanes.words())]  # `active` is no word of the mirror
@@ -195,8 +195,8 @@ class _Call:
             groups = ("slope", "offset", "gain", "weight")
             lanes.bank = Bank(*(self._row(before, f"bank[{active}].{group}[") for group in groups))
         returned = getattr(lanes, self.function)(*arguments)
-        left = [coerced(graph, word, np.dtype(np.uint32)).ops.ravel()[0] for word in lanes.words().values()]
-        expected = dict(zip(paths, left, strict=True))
+        words = [coerced(graph, word, np.dtype(np.uint32)).ops.ravel()[0] for word in lanes.words().values()]
+        expected = dict(zip(paths, words, strict=True))
         if self.function == "init":
             expected |= {"active": graph.const(0)} | self._banks(lanes.numbers.bank)
         return expected, returned.ops.ravel()[0] if isinstance(returned, Symbols) else None
@@ -254,7 +254,7 @@ class _Call:
 
     def sample(self, index: int) -> str:
         """The arguments of a drawn sample."""
-        values = [int(self.drawn(each)[index]) for each in self.arguments]
+        values = [int(self.drawn(argument)[index]) for argument in self.arguments]
         return "arguments " + ", ".join(f"{value:#010x}" for value in values)
 
 

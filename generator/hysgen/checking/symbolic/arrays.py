@@ -121,6 +121,8 @@ class Symbols(NDArrayOperatorsMixin):
 
     def _reduced(self, both: Callable[[Op, Op], Op], dtype: np.dtype[Any], axis: int) -> Symbols:
         rows = np.moveaxis(self.ops, axis, 0)
+        if not len(rows):
+            return coerced(self.graph, np.zeros(rows.shape[1:], np.uint32), dtype)
         total = rows[0]
         for row in rows[1:]:
             total = _each(both, total, row)
@@ -176,7 +178,7 @@ class Symbols(NDArrayOperatorsMixin):
         if len(inputs) == 1:
             return self._unary(ufunc)
         dtype = _common(inputs)
-        a, b = (coerced(graph, each, dtype) for each in inputs)
+        a, b = (coerced(graph, operand, dtype) for operand in inputs)
         floating = dtype == _FLOAT
         if ufunc is np.remainder and not floating:
             (size,) = {op.number for op in b.ops.ravel() if op.kind == "const"} or {0}
@@ -234,9 +236,9 @@ def with_symbols(graph: Graph, given: Any, made: dict[int, Any] | None = None) -
         case np.ndarray():
             changed: Any = coerced(graph, given, given.dtype) if given.dtype in (_FLOAT, _WORD) else given
         case list() | tuple() if not hasattr(given, "_fields"):
-            changed = type(given)(with_symbols(graph, each, made) for each in given)
+            changed = type(given)(with_symbols(graph, item, made) for item in given)
         case dict():
-            changed = {key: with_symbols(graph, each, made) for key, each in given.items()}
+            changed = {key: with_symbols(graph, item, made) for key, item in given.items()}
         case _ if hasattr(given, "__dict__") and not isinstance(given, type):
             changed = made[id(given)] = copy.copy(given)
             for name, value in vars(given).items():
@@ -253,8 +255,8 @@ def _each(function: Callable[..., Op], *operands: Any) -> NDArray[np.object_]:
 
 def _common(inputs: Sequence[Any]) -> np.dtype[Any]:
     """The type of an operation: that of its arrays; a number of Python takes theirs, and a truth is a word."""
-    dtypes = {each.dtype for each in inputs if hasattr(each, "dtype")}
-    if _WORD in {each.dtype for each in inputs if isinstance(each, Symbols)}:
+    dtypes = {operand.dtype for operand in inputs if hasattr(operand, "dtype")}
+    if _WORD in {operand.dtype for operand in inputs if isinstance(operand, Symbols)}:
         dtypes.discard(np.dtype(np.int64))  # constants, which have to fit
     if _TRUTH in dtypes and len(dtypes) > 1:
         dtypes.discard(_TRUTH)
@@ -273,7 +275,7 @@ def _where(graph: Graph, condition: Any, yes: Any, no: Any) -> Symbols:
 
 def _stack(graph: Graph, arrays: Sequence[Any], axis: int = 0) -> Symbols:
     dtype = _common(arrays)
-    return Symbols(graph, np.stack([coerced(graph, each, dtype).ops for each in arrays], axis), dtype)
+    return Symbols(graph, np.stack([coerced(graph, array, dtype).ops for array in arrays], axis), dtype)
 
 
 def _filled(graph: Graph, like: Any, value: Any, dtype: Any = None) -> Symbols:
@@ -304,7 +306,7 @@ def traced() -> Iterator[None]:
         def made(value: Any, dtype: Any = None, **options: Any) -> Any:
             if isinstance(value, Symbols):
                 return value.copy() if dtype is None else value.astype(dtype)
-            if isinstance(value, list) and any(isinstance(each, Symbols) for each in value):
+            if isinstance(value, list) and any(isinstance(item, Symbols) for item in value):
                 return cast(Any, np.stack)(value)
             return original(value, dtype=dtype, **options)
 

@@ -30,9 +30,9 @@ Words = NDArray[np.uint32]
 
 SAMPLES: Final = 512
 """Drawn inputs: operations that differ in one of them are not handed to the solver."""
-CANDIDATES: Final = 6
+CANDIDATES: Final = 16
 """Earlier operations with the same bits that the solver is asked about."""
-SOLVER_MS: Final = 10_000
+SOLVER_MS: Final = 60_000
 MOST_ASKED: Final = 3000
 """Pairs that the solver is handed in one sweep; what is left then stays open."""
 SOLVER: Final = "bitwuzla"
@@ -44,6 +44,11 @@ _ONE, _MINUS, _SIGN, _INFINITY = 0x3F80_0000, 0xBF80_0000, 0x8000_0000, 0x7F80_0
 def _sign_of(op: Op) -> bool:
     """Whether a float is 1 or -1, as a condition says: a product with it changes a sign."""
     return op.kind == "select" and {arg.number for arg in op.args[1:] if arg.kind == "const"} == {_ONE, _MINUS}
+
+
+def _is_negative(op: Op) -> bool:
+    """Whether a float is -x: a + -x is a - x."""
+    return op.kind == "xor" and op.args[1].kind == "const" and op.args[1].number == _SIGN
 
 
 def _truth(values: NDArray[np.bool_]) -> Words:
@@ -95,8 +100,8 @@ class Sweep:
     """Representatives of operations.
 
     drawn: SAMPLES values of an input, a `symbol` or a `param`. asked, decided: pairs that the solver was handed, and
-    those that it found equal. side: 0 or 1, which of two programs the next operations belong to; no operation is
-    compared with one of its own program.
+    those that it found equal. side: 0 or 1, which of two programs the next operations belong to; within a
+    program only selections are compared, such as limits that never act.
     """
 
     drawn: Callable[[Op], Words]
@@ -165,6 +170,8 @@ class Sweep:
                 if distance.kind == "add" and distance.args[1].kind == "const":
                     distance, offset = distance.args[0], offset + distance.args[1].number & MASK
                 return self.graph.indexed(args[1:], distance, offset)
+            case "addsp" | "subsp" if _is_negative(args[1]):
+                return self.graph.op("subsp" if op.kind == "addsp" else "addsp", args[0], args[1].args[0])
             case "mpysp" if any(_sign_of(arg) for arg in args):
                 x, side = args if _sign_of(args[1]) else (args[1], args[0])
                 flipped = self.graph.op("xor", x, self.graph.const(_SIGN))
@@ -233,9 +240,11 @@ class Sweep:
         alike = self._alike.setdefault(bits.tobytes(), [])
         if self._solver is not None and op.kind in _SOLVED and self.asked < MOST_ASKED:
             own = {id(variable) for variable in _variables(op)}
-            of_other_side = [other for other in reversed(alike) if self._side[id(other)] != self.side]
-            of_other_side.sort(key=lambda other: other.kind != op.kind)
-            related = (other for other in of_other_side if _nested(own, {id(each) for each in _variables(other)}))
+            candidates = [
+                other for other in alike if self._side[id(other)] != self.side or op.kind == other.kind == "select"
+            ]
+            candidates.sort(key=lambda other: other.kind != op.kind)
+            related = (other for other in candidates if _nested(own, {id(op) for op in _variables(other)}))
             for other in itertools.islice(related, CANDIDATES):
                 self.asked += 1
                 if self._solver.equal(op, other):
@@ -309,9 +318,9 @@ class _Solver:
         """a - b <= a + c for finite a, b >= 0 and c >= 0: rounding to nearest keeps the order of the exact results."""
         make, kinds = self._terms.mk_term, self._b.Kind
         added = more.args[1 - more.args.index(less.args[0])]
-        low, high, a, b, c = (self._float(self._term(each)) for each in (less, more, *less.args, added))
+        low, high, a, b, c = (self._float(self._term(op)) for op in (less, more, *less.args, added))
         infinity, zero = (self._float(self._terms.mk_bv_value(self._word, bits)) for bits in (_INFINITY, 0))
-        finite = [make(kinds.FP_LT, [make(kinds.FP_ABS, [each]), infinity]) for each in (a, b, c)]
+        finite = [make(kinds.FP_LT, [make(kinds.FP_ABS, [term]), infinity]) for term in (a, b, c)]
         holds = make(kinds.AND, [*finite, make(kinds.FP_GEQ, [b, zero]), make(kinds.FP_GEQ, [c, zero])])
         return make(kinds.IMPLIES, [holds, make(kinds.FP_LEQ, [low, high])])
 
@@ -362,8 +371,8 @@ class _Solver:
         return make(name, a)
 
     def _number(self, truth: Any) -> Any:
-        one, zero = (self._terms.mk_bv_value(self._word, number) for number in (1, 0))
-        return self._terms.mk_term(self._b.Kind.ITE, [truth, one, zero])
+        yes, no = (self._terms.mk_bv_value(self._word, number) for number in (1, 0))
+        return self._terms.mk_term(self._b.Kind.ITE, [truth, yes, no])
 
 
 def _nested(some: set[int], others: set[int]) -> bool:

@@ -104,12 +104,12 @@ class _Execution:
             structs[parameter.name] = place.memory, len(given)
             values.append(place)
         result = self._call(function, values)
-        left: dict[str, tuple[Op, ...]] = {}
+        behind: dict[str, tuple[Op, ...]] = {}
         for name, (memory, count) in structs.items():
             words = [self.memory.read(Place(memory, WORD * k, INTEGER)) for k in range(count)]
             assert all(isinstance(word, Op) for word in words), f"{function}: {name} holds a pointer"
-            left[name] = tuple(word for word in words if isinstance(word, Op))
-        return Outcome(left, result if isinstance(result, Op) else None)
+            behind[name] = tuple(word for word in words if isinstance(word, Op))
+        return Outcome(behind, result if isinstance(result, Op) else None)
 
     def _call(self, function: str, arguments: Sequence[Value]) -> Value:
         name = self.source.name

@@ -56,7 +56,7 @@ class IndexedMemory(SymbolicMemory):
         if place.high - place.low >= 1 << 29:
             raise KernelRefusalError(f"{place.memory}: an array of unknown size, indexed by data")
         places = (Place(place.memory, at, INTEGER) for at in range(place.low, place.high, WORD))
-        leaves = [super(IndexedMemory, self).read(each) for each in places]
+        leaves = [super(IndexedMemory, self).read(word) for word in places]
         if not all(isinstance(leaf, Op) for leaf in leaves):
             raise KernelRefusalError(f"{place.memory}: pointers indexed by data")
         return [leaf for leaf in leaves if isinstance(leaf, Op)]

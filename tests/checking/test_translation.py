@@ -1,0 +1,179 @@
+"""Translation validation: the C of every part is proved equal to its reference, and every planted fault is seen."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fixtures.proof_models import SHIPPED, shipped
+from fixtures.tools import library
+from hysgen.checking.bits import VerifySettings, verify_texts
+from hysgen.checking.bits.random_models import complete_model, random_model
+from hysgen.checking.proof import translation as module
+from hysgen.checking.proof.translation import Translation, translation
+from hysgen.checking.symbolic import equivalence
+from hysgen.checking.symbolic.arrays import Symbols, traced
+from hysgen.checking.symbolic.dataflow import Graph, Op
+from hysgen.checking.symbolic.equivalence import SAMPLES, Sweep
+from hysgen.checking.symbolic.expressions import negated
+from hysgen.checking.symbolic.source import KernelRefusalError
+from hysgen.codegen import generate
+from hysgen.errors import BuildError, HysgenError
+from hysgen.float32.reference import instance
+from hysgen.float32.reference.rules import limited, rule_sums
+from hysgen.model.float32_arithmetic import reciprocal
+from hysgen.model.model import Model
+
+FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
+
+
+@pytest.fixture(autouse=True)
+def _solver() -> None:
+    library("bitwuzla")
+
+
+@functools.lru_cache(maxsize=4)
+def generated(seed: int) -> tuple[Model, Mapping[str, str]]:
+    """A model with every block and term, and its C."""
+    model = complete_model(seed)
+    return model, generate(model)
+
+
+def proved(result: Translation) -> dict[str, bool]:
+    return {proof.function: proof.holds for proof in result.functions}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
+    folder = shipped(name)
+    result = translation(folder.model, folder.texts)
+    assert proved(result) == dict.fromkeys(FUNCTIONS, True)
+    assert result.sampled == ("learn", "learn_init", "commit")
+    assert result.lines()[-1] == f"{name}: 5 of 8 functions proved"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int) -> None:
+    for model in (generated(seed)[0], random_model(seed)):
+        assert proved(translation(model, generate(model))) == dict.fromkeys(FUNCTIONS, True), model
+
+
+CHANGES = [
+    (r" \+ ", " - "),
+    (r" - ", " + "),
+    (r" \* ", " + "),
+    (r" < ", " <= "),
+    (r" > ", " >= "),
+    (r"\[0\]", "[1]"),
+    (r" \| ", " & "),
+    (r" & ", " | "),
+    (r"([0-9])\.0f", r"\g<1>.5f"),
+    (r" = ", " = -"),
+]
+
+
+def mutants(text: str, count: int) -> list[tuple[str, str]]:
+    """(line, text with this line changed) of `count` statements, spread evenly over the text."""
+    lines = text.splitlines()
+    changed: list[tuple[str, str]] = []
+    for number, line in enumerate(lines):
+        pattern, new = CHANGES[number % len(CHANGES)]
+        mutant = re.sub(pattern, new, line, count=1)
+        if line.startswith("    ") and "for (" not in line and "*/" not in line and mutant != line:
+            changed.append((mutant.strip(), "\n".join([*lines[:number], mutant, *lines[number + 1 :]])))
+    return changed[:: max(1, len(changed) // count)]
+
+
+@pytest.mark.slow
+def test_no_fault_that_samples_show_is_proved_equal_and_most_faults_are_seen() -> None:
+    """Faults of the C, each judged twice: by samples of the compiled code, and by the proof."""
+    model, texts = generated(2)
+    name = f"{model.name}.c"
+    settings = VerifySettings(4000, 0, compilers=["cc"], levels=["-O0"])
+    judged, unseen = 0, []
+    for line, text in mutants(texts[name], 24):
+        changed = {**texts, name: text}
+        try:
+            sampled = verify_texts(model, changed, settings).mismatches
+            by_proof = proved(translation(model, changed))
+        except (BuildError, HysgenError):
+            continue  # no C any more
+        judged += 1
+        assert not sampled or not all(by_proof.values()), line
+        if all(by_proof.values()):
+            unseen.append(line)
+    assert judged >= 15
+    assert len(unseen) <= judged // 4, unseen  # lines that compute the same, or that these functions do not reach
+
+
+@pytest.mark.parametrize(
+    ("target", "fault"),
+    [
+        ("rule_sums", lambda numbers, bank, y: dataclasses.replace(rule_sums(numbers, bank, y), weight=y)),
+        ("reciprocal", lambda x: reciprocal(x) * np.float32(1.0000001)),
+        ("flushed", lambda x: x),
+        ("limited", lambda x, low, high: (limited(x, low, high)[0], x < low)),
+    ],
+)
+def test_a_fault_of_the_reference_is_seen(
+    target: str, fault: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = shipped("appendix_a")
+    monkeypatch.setattr(instance, target, fault)
+    monkeypatch.setattr(module, "ARGUMENTS", {"predict": 2})
+    (proof,) = translation(folder.model, folder.texts).functions
+    assert not proof.holds
+    assert proof.function == "predict"
+    assert (proof.difference or proof.open[0]).startswith(("y_um", "status", "y_clamped", "u_clamped"))
+
+
+def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(equivalence, "SOLVER", "no_such_module")
+    folder = shipped("appendix_a")
+    monkeypatch.setattr(module, "ARGUMENTS", {"predict": 2})
+    result = translation(folder.model, folder.texts)
+    (proof,) = result.functions
+    assert (proof.holds, proof.difference, result.holds) == (False, "", True)
+    assert "not proved" in proof.line()
+
+
+def test_equal_bits_are_no_proof_and_assumptions_are_used() -> None:
+    """x < 8 and x > 7 part at 7.5 alone; both say the same of every drawn whole number."""
+    graph = Graph()
+    x, seven, eight = graph.param(0), graph.const(0x40E0_0000), graph.const(0x4100_0000)
+    below, above = graph.op("cmpltsp", x, eight), negated(graph, graph.op("cmpgtsp", x, seven))
+
+    def drawn(_: Op) -> Any:
+        return np.arange(SAMPLES, dtype=np.float32).view(np.uint32)
+
+    (pair,) = Sweep(drawn).pairs([(below, above)])
+    assert pair[0] is not pair[1]
+    far = graph.op("or", graph.op("cmpltsp", x, seven), graph.op("cmpgtsp", x, eight))
+    (pair,) = Sweep(drawn, [far]).pairs([(below, above)])
+    assert pair[0] is pair[1]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda x: x if x[0] > 1 else -x,
+        np.sqrt,
+        lambda x: x.sum(axis=0),
+        lambda x: x + np.float64(0.1),
+        lambda x: np.add.reduce(x),
+        lambda x: np.cumsum(x),
+        lambda x: x.view(np.uint32) // np.uint32(3),
+    ],
+)
+def test_what_cannot_be_traced_is_refused(call: Callable[[Any], Any]) -> None:
+    x = Symbols.of(Graph(), [Op("param"), Op("param", number=1)], np.float32)
+    with traced(), pytest.raises(KernelRefusalError):
+        call(x)
