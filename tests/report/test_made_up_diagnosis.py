@@ -238,9 +238,9 @@ def test_terminal_shows_rows_notes_evidence_and_refusals() -> None:
     )  # fmt: skip
     blocks = words.diagnosis_text(whole).split("\n\n")
     assert blocks[0] == "a.csv: 360 rows to identify; scores are of the 240 held out"
-    assert blocks[2].splitlines()[-3:] == [
-        "noise floor from repeated periods; own: without what no model can know; gain: fall of own, block bootstrap; "
-        "of the error: share of its power above the noise",
+    assert blocks[2].splitlines()[-4:] == [
+        "noise floor from repeated periods; own: without what no model can know",
+        "gain: fall of own, block bootstrap; of the error: share of its power above the noise",
         words.CONFIDENCE, "taken out of own: a step",
     ]  # fmt: skip
     assert blocks[3].splitlines() == [

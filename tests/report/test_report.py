@@ -74,8 +74,8 @@ def written(
     def made() -> dict[str, bytes]:
         folder = tmp_path_factory.mktemp("hum")
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", lambda *_: hum)
-            patch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_: hum.record)
+            patch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", lambda *_, **__: hum)
+            patch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_, **__: hum.record)
             patch.chdir(folder)
             call = ["diagnose", "hum.csv", "--report", "r.html", "--plots", "p", "--json", "d.json", "-o", "m.json"]
             assert main(call) == 0
@@ -143,7 +143,7 @@ def test_page_is_well_formed_and_every_link_leads_somewhere(page: str) -> None:
     links = [attributes["href"] for tag, attributes in reader.tags if tag == "a"]
     inner = [link for link in links if link is not None and link.startswith("#")]
     # The contents, and the labels of the figures at the top that the glossary explains.
-    assert len(inner) == len(SECTIONS) + 6
+    assert len(inner) == len(SECTIONS) + 7
     assert all(link.removeprefix("#") in anchors for link in inner)
     tables = [link for link in links if link is not None and link.startswith("data:text/csv;base64,")]
     assert len(tables) == sum(tag == "table" for tag, _ in reader.tags)

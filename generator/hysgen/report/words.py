@@ -61,7 +61,7 @@ def diagnosis_text(study: Study) -> str:
         _rows_of(study),
         "\n".join(verdict(study)),
         table(LADDER, study.ladder()) + f"\nnoise floor from {diagnosis.noise.source}"
-        "; own: without what no model can know; gain: fall of own, block bootstrap; of the error: share of its power "
+        "; own: without what no model can know\ngain: fall of own, block bootstrap; of the error: share of its power "
         "above the noise"
         + (f"\n{CONFIDENCE}" if study.extended else "")
         + "".join(f"\ntaken out of own: {taken.text}" for taken in diagnosis.remaining.taken),
