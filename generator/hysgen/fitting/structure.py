@@ -37,6 +37,8 @@ ARX_ORDER, ROUNDS = 64, 3
 """Order of the first fit, and the most rounds of leaving out modes and refining the others."""
 SLOWEST: Final = 0.9985
 """Largest |lam|: a state that decays more slowly than over some 700 samples is creep, not a mode."""
+EDGE_DECAY: Final = 0.03
+"""Least decay per sample of a mode beyond 0.45 of the sampling rate: gone after 300 samples."""
 MOST_DAMPING: Final = 0.94
 
 MOST_STEPS, LEAST_STEP = 25, 1e-3
@@ -280,7 +282,8 @@ def _arx_poles(pieces: Sequence[Piece]) -> Complex:
 def _admitted(poles: Complex) -> Complex:
     """The nearest poles that decay, with a damping ratio up to MOST_DAMPING and a frequency below half the rate."""
     rate = np.log(np.where(poles == 0.0, 1e-9, poles))
-    decay = np.clip(-rate.real, -math.log(SLOWEST), 2.5)
+    # Near half the rate a mode stands for the direct response; two light ones that cancel would ring from every start.
+    decay = np.clip(-rate.real, np.where(np.abs(rate.imag) > 0.9 * math.pi, EDGE_DECAY, -math.log(SLOWEST)), 2.5)
     least = decay * math.sqrt(MOST_DAMPING**-2 - 1.0)
     angle = np.clip(np.abs(rate.imag), least, np.sqrt((0.999 * math.pi) ** 2 - decay**2))
     return np.asarray(np.exp(-decay + 1j * angle))
