@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -49,7 +50,7 @@ INLINE = re.compile(r"__asm__(?: volatile)?\s*\((?:[^()]|\([^()]*\))*\)")
 def assembly(folder: Path, unit: str, *flags: str) -> str:
     """A C unit in `folder` as the compiler's assembly, without its own, which may be of another processor."""
     text = INLINE.sub("", (folder / unit).read_text(encoding="utf-8"))
-    command = [default_toolchain().command, "-std=gnu99", "-w", "-fPIC", *flags, "-I.", "-S", "-o", "-", "-xc", "-"]
+    command = [*default_toolchain().call, "-std=gnu99", "-w", "-fPIC", *flags, "-I.", "-S", "-o", "-", "-xc", "-"]
     done = subprocess.run(command, cwd=folder, input=text, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -276,7 +277,7 @@ def test_among_foreign_functions_of_its_names_a_host_library_computes_the_same(n
     if name in exports():
         library("fmpy")
         write_export(load_model("appendix_a"), name, folder)
-        subprocess.run(["make", "-s"], cwd=folder, check=True)
+        subprocess.run(["make", "-s", f"CC={shlex.join(default_toolchain().call)}"], cwd=folder, check=True)
     for path in folder.glob("*.fmu"):
         zipfile.ZipFile(path).extractall(path.with_suffix(""))
 

@@ -179,9 +179,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in texts("cmake").items():
         (folder / name).write_text(text)
     units = [name for name in texts("cmake") if name.endswith(".c")]
-    subprocess.run(
-        [default_toolchain().command, "-O2", "-ffp-contract=off", "-o", "run", *units], cwd=folder, check=True
-    )
+    subprocess.run([*default_toolchain().call, "-O2", "-ffp-contract=off", "-o", "run", *units], cwd=folder, check=True)
     return folder / "run"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
@@ -132,7 +133,7 @@ class Export:
 
 def make(folder: Path, goal: str) -> None:
     """Build `goal` by the Makefile of the folder. Raises BuildError with the first error message."""
-    command = ["make", "-C", str(folder), goal, f"CC={default_toolchain().command}"]
+    command = ["make", "-C", str(folder), goal, f"CC={shlex.join(default_toolchain().call)}"]
     try:
         run = subprocess.run(command, capture_output=True, text=True, check=False)
     except FileNotFoundError as fault:

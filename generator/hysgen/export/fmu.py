@@ -222,15 +222,15 @@ def _library(standard: int) -> tuple[str, str]:
 
 
 def _binary(standard: int, sources: Mapping[str, str]) -> bytes:
-    compiler = default_toolchain().command
+    compiler = default_toolchain()
     with tempfile.TemporaryDirectory() as scratch:
         for file, text in sources.items():
             Path(scratch, file).write_text(text, encoding="utf-8", newline="\n")
         units = sorted(file for file in sources if file.endswith(".c"))
-        call = [compiler, *_FLAGS, *export_flags([f"fmi{standard}*"], Path(scratch)), "-o", "fmu.bin", *units]
+        call = [*compiler.call, *_FLAGS, *export_flags([f"fmi{standard}*"], Path(scratch)), "-o", "fmu.bin", *units]
         run = subprocess.run(call, cwd=scratch, capture_output=True, text=True, check=False)
         if run.returncode != 0:
-            raise BuildError(f"{compiler}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")
+            raise BuildError(f"{compiler.command}: {(run.stderr.strip().splitlines() or ['no message'])[0]}")
         return Path(scratch, "fmu.bin").read_bytes()
 
 

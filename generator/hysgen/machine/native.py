@@ -36,6 +36,11 @@ class Toolchain:
     def __str__(self) -> str:
         return " ".join((self.command, *self.flags))
 
+    @property
+    def call(self) -> list[str]:
+        """Words that run the compiler, without the flags; empty if it is not installed."""
+        return compiler_call(self.command)
+
 
 _INCLUDE = re.compile(r"""^\s*#\s*include\s*["<]([^">]+)[">]""", re.MULTILINE)
 
