@@ -110,7 +110,7 @@ PLAIN = frozenset(
         "sensor filtered filter filt smoothed measured meas actual act ist real mon monitor channel axis stage piezo "
         "mirror probe signal data value read readback cap capacitive strain gauge encoder interferometer laser amp "
         "amplifier hv ctrl control closed open loop fb feedback left right top bottom front back upper lower total abs "
-        "rel mean avg average calibrated cal corrected new old final log in out",
+        "rel mean avg average calibrated cal corrected new old final log in out train training test validation run",
     )
 )
 """Words behind a name that are taken for no unit."""
