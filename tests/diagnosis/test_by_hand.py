@@ -253,6 +253,8 @@ def test_a_gain_that_grows_is_said_per_second_and_over_the_record_and_taken_out_
     assert extension.learns
     change = GainChange(0.5, 2.0)
     np.testing.assert_allclose(change.removed(np.array([4.0, 5.0, 2.0]), np.array([0.0, 1.0, 9.0])), [4.0, 4.0, 2.0])
+    held = GainChange(0.5, 2.0, until_s=1.0)  # behind the identification part, as it was last
+    np.testing.assert_allclose(held.removed(np.array([4.0, 5.0, 5.0]), np.array([0.0, 1.0, 9.0])), [4.0, 4.0, 4.0])
     starts = [chain.of(AgingPart).per_s * SPAN_S for chain in causes()["aging"].proposals(fitted(LAG))]
     assert starts[1:] == pytest.approx([0.003, 0.03, -0.003, -0.03])
 

@@ -30,9 +30,11 @@ def ramps(measured: Path, once_per_run: Callable[[str, Callable[[], Any]], Any])
 def test_memory_a_line_a_drift_and_a_falling_gain_are_named_on_the_micromanipulator(ramps: Diagnosis) -> None:
     """The gain: sudden changes at 2.5, 5, .. 22.5 s, fitted freely, add up to -0.5 %, all but one of them downwards."""
     assert ramps.names == ("memory", "periodic", "drift", "aging")
-    assert next(cause for cause in ramps.causes if cause.name == "aging").parameters["per_s"].value < 0.0
-    # It comes back after the pause, behind the identification part.
-    assert not next(cause for cause in ramps.causes if cause.name == "aging").extended
+    aging = next(cause for cause in ramps.causes if cause.name == "aging")
+    assert aging.parameters["per_s"].value < 0.0
+    # It comes back after the pause, behind the identification part: there the gain is what it was last.
+    without_um, with_um = aging.cold_um
+    assert with_um < without_um
     assert ramps.held_rows.min() == FITTED_ROWS
 
 
@@ -41,4 +43,4 @@ def test_the_extensions_remove_most_of_the_error_on_the_micromanipulator(ramps: 
     assert ramps.base_rms_um == pytest.approx(0.47, abs=0.02)
     assert ramps.noise.rms_um == pytest.approx(0.067, abs=0.01)
     # After the hold the loop of the stage itself differs by 0.05 um rms from the loops that were fitted.
-    assert ramps.extended_rms_um < 0.115
+    assert ramps.extended_rms_um < 0.112

@@ -47,14 +47,18 @@ class AgingPart(Part):
 
 @dataclass(frozen=True)
 class GainChange(Correction):
-    """A gain 1 + per_s t about the displacement zero_um; in operation, the learner follows the change."""
+    """A gain 1 + per_s t about the displacement zero_um; in operation, the learner follows the change.
+
+    Behind the identification part, from until_s on, it is what it was last: no law of a gain is known that goes on.
+    """
 
     per_s: float
     zero_um: float = 0.0
+    until_s: float = np.inf
 
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
         """zero + (y - zero) / (1 + per_s t)"""
-        return self.zero_um + (y_um - self.zero_um) / (1.0 + self.per_s * t_s)
+        return self.zero_um + (y_um - self.zero_um) / (1.0 + self.per_s * np.minimum(t_s, self.until_s))
 
     def course(self, t_s: Floats, predicted_um: Floats) -> Floats:
         """t (yhat - zero)"""
@@ -115,9 +119,8 @@ class AgingCause(Cause):
             shift_um = float(fit.weights[scene.column_of(fit.chain, DriftPart)]) / scene.span_s / (rate or 1.0)
         hidden = abs(shift_um) < ZERO_UNCERTAIN * float(np.ptp(scene.y_um))
         zero_um = scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0)
-        return Extension(
-            correction=GainChange(rate, zero_um) if rate != 0.0 else None, forgetting_s=FORGET * scene.span_s
-        )
+        change = GainChange(rate, zero_um, float(scene.time_s[-1])) if rate != 0.0 else None
+        return Extension(correction=change, forgetting_s=FORGET * scene.span_s)
 
 
 CAUSE = AgingCause()
