@@ -25,7 +25,7 @@ static void board_enable(void)
     TSCL = 0u;             /* any write starts it */
     ISTP = (uint32_t)hysgen_vectors;
     ICR = 0xFFF0u;
-    TSR |= 4u;             /* GEE: a wild opcode or access raises an exception, which goes to the NMI slot; start.s sets it for gcc */
+    TSR |= 4u;             /* GEE: a wild opcode raises an exception, which goes to the NMI slot; bus errors do not; start.s sets it for gcc */
     IER |= (1u << 4) | 2u; /* interrupt 4, and NMI */
     CSR |= 1u;             /* global enable */
 }
