@@ -282,7 +282,7 @@ def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest
     (tmp_path / "Makefile").write_text("all:\n\t@echo broken >&2; false\n")
     with pytest.raises(BuildError, match=r"make all: broken$"):
         base.make(tmp_path, "all")
-    monkeypatch.setattr(base, "default_toolchain", lambda: SimpleNamespace(call=["gcc"]))
+    monkeypatch.setattr(base, "default_toolchain", lambda: SimpleNamespace(call=["mine"]))
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BuildError, match="make is not installed; install it"):
         base.make(tmp_path, "all")
