@@ -20,7 +20,7 @@ unexport PYTHONDONTWRITEBYTECODE
 run: $(VENV)/.installed  ## the main job on the bundled record: diagnosis, C, equality of bits, cost, one page
 	$(PY) -m hysgen demo -o $(OUT)
 
-check: $(VENV)/.tested  ## style, types, import layers, and the fast tests: at most 90 s on two cores
+check: $(VENV)/.tested  ## style, types, import layers, and the fast tests: two minutes on two cores
 	@$(MAKE) --no-print-directory --jobs=2 style quick-tests
 
 test: $(VENV)/.tested  ## style, types, import layers, and every test but those of `make prove`
