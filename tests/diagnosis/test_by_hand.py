@@ -44,7 +44,7 @@ from hysgen.diagnosis.ladder import (
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Scene, Trace, linear_fit, standard_errors
 from hysgen.diagnosis.probe.chain import respond
-from hysgen.diagnosis.score import RESTING, dispersion, least_growth, resting_noise
+from hysgen.diagnosis.score import RESTING, least_growth, resting_noise
 from hysgen.diagnosis.slow_evidence import penalty
 from hysgen.fitting.operator import PathSize
 from hysgen.model.disturbances.coupling import Coupling
@@ -55,6 +55,7 @@ from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
 from hysgen.record import Record
+from hysgen.record.series import dispersion
 
 WHITE = np.random.default_rng(11).normal(size=20_000)
 

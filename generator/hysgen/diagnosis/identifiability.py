@@ -26,10 +26,10 @@ from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import Projector, projector_off, rms
 from hysgen.diagnosis.probe.chain import COMMON
 from hysgen.diagnosis.probe.solve import sensitivities
-from hysgen.diagnosis.score import Scored, dispersion, least_growth
+from hysgen.diagnosis.score import Scored, least_growth
 from hysgen.display import decimal
 from hysgen.record.noise import NoiseFloor
-from hysgen.record.series import MEDIAN_TO_DEVIATION, plateaus
+from hysgen.record.series import MEDIAN_TO_DEVIATION, dispersion, plateaus
 
 Floats = NDArray[np.float64]
 

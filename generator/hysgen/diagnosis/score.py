@@ -31,16 +31,13 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves, projector_off
-from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_edges, block_left_out_error
-from hysgen.record.series import SHORTEST_PLATEAU, plateaus, residual_noise, resolution_um
+from hysgen.diagnosis.probe.uncertainty import block_left_out_error
+from hysgen.record.series import SHORTEST_PLATEAU, dispersion, plateaus, residual_noise, resolution_um
 
 Floats = NDArray[np.float64]
 
 REPEATING = 37
 """Independent values of the misfit of the hysteresis: as many as the operator has weights for the same states."""
-
-SLOWEST = 10
-"""Number of slow coefficients in `dispersion`: their mean has a standard deviation of 45 %."""
 
 LEFT_OUT = 0.75
 """Power of the leverage in `Scored.left_out_error`: with 1/2 the scatter of a white error is right and that of coloured
@@ -176,22 +173,6 @@ def least_growth(independent: float, prior_odds: float) -> float:
     """Least growth of the rms error without a cause of one parameter that is named."""
     least = LEAST_EVIDENCE - 2.0 * math.log(prior_odds) + math.log(independent) + 1.0
     return math.exp(0.5 * least / independent)
-
-
-def dispersion(error: Floats, effect: Floats) -> float:
-    """Number of samples of a residual that count as one independent sample where an effect acts, at least 1.
-
-        g_b = sum over block b of error * effect
-        c   = max over G of the mean of G_j^2 for j in G, over that of a white residual;   G = DCT of g
-
-    error, effect: (n,). G: all coefficients, or the SLOWEST ones, which an error slower than a block makes larger.
-    """
-    edges = block_edges(len(error))
-    products = np.add.reduceat(error * effect, edges[:-1])
-    powers = np.add.reduceat(effect * effect, edges[:-1]) * float(np.mean(error * error))
-    waves = np.cos(np.pi * np.outer(np.arange(BLOCKS), np.arange(BLOCKS) + 0.5) / BLOCKS)
-    found, white = (waves @ products) ** 2, waves**2 @ powers + 1e-300
-    return max(1.0, *(float(found[1:last].sum() / white[1:last].sum()) for last in (SLOWEST + 1, BLOCKS)))
 
 
 def orders(scene: Scene, chain: Chain) -> float:

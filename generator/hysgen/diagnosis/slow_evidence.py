@@ -32,8 +32,8 @@ import numpy as np
 
 from hysgen.diagnosis.causes import slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, refine
-from hysgen.diagnosis.probe.uncertainty import block_edges
-from hysgen.diagnosis.score import Scored, dispersion, present, prior_score, structure
+from hysgen.diagnosis.score import Scored, present, prior_score, structure
+from hysgen.record.series import block_edges, dispersion
 
 WHITENED_ROUNDS = 4
 """Gauss-Newton rounds on the innovations, from a chain that is refined by least squares already."""

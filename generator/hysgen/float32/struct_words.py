@@ -149,7 +149,7 @@ class StructWords:
     def restore(self, words: Sequence[Words]) -> None:
         """Set the state from `words` in the order of `words()`, (lanes,) each; the number of lanes may change."""
         remaining = iter(words)
-        zero = np.zeros_like(words[0]).view(np.float32)
+        lanes = words[0].size
         for member in self.described():
             name = member.name
             match member.holds:
@@ -158,10 +158,10 @@ class StructWords:
                     setattr(self, name, np.stack(rows).view(np.float32))
                 case Holds.MATRIX:
                     size = len(getattr(self, name))
-                    elements = [[zero] * size for _ in range(size)]
+                    elements: Floats32 = np.zeros((size, size, lanes), np.float32)
                     for i, j in self.stored():
-                        elements[i][j] = next(remaining).view(np.float32)
-                    setattr(self, name, np.stack([np.stack(row) for row in elements]))
+                        elements[i, j] = next(remaining).view(np.float32)
+                    setattr(self, name, elements)
                 case Holds.NUMBER:
                     setattr(self, name, next(remaining).view(np.float32))
                 case Holds.INTEGER | Holds.FLAG:

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.record.outlier_detection import outlier_flags
-from hysgen.record.series import residual_noise, resolution_um
+from hysgen.record.series import BLOCKS, dispersion, residual_noise, resolution_um
 
 if TYPE_CHECKING:
     from hysgen.model.model import Model
@@ -56,9 +56,6 @@ LEAST_SHARE = 0.5
 
 FEWEST_AROUND = 24
 """Least rows on each side of a sudden change, for four smooth columns and the change."""
-
-BLOCKS, SLOWEST = 40, 10
-"""Blocks of rows in `dispersion`, and number of its slow coefficients: their mean has a standard deviation of 45 %."""
 
 DEPENDENT = 0.03
 """Singular value of columns of length 1 below which they do not count as independent."""
@@ -261,22 +258,6 @@ def evidence(without_um: Floats, with_um: Floats, orders: int) -> float:
     independent = max(len(with_um) / dispersion(with_um, without_um - with_um), 2.0)
     ratio = (float(without_um @ without_um) + 1e-300) / (float(with_um @ with_um) + 1e-300)
     return independent * math.log(ratio) - orders * math.log(independent)
-
-
-def dispersion(error: Floats, effect: Floats) -> float:
-    """Number of samples of a residual that count as one independent sample where an effect acts, at least 1.
-
-        g_b = sum over block b of error * effect
-        c   = max over G of the mean of G_j^2 for j in G, over that of a white residual;   G = DCT of g
-
-    error, effect: (n,). G: all coefficients, or the SLOWEST ones, which an error slower than a block makes larger.
-    """
-    edges = np.linspace(0, len(error), BLOCKS + 1).astype(np.intp)
-    products = np.add.reduceat(error * effect, edges[:-1])
-    powers = np.add.reduceat(effect * effect, edges[:-1]) * float(np.mean(error * error))
-    waves = np.cos(np.pi * np.outer(np.arange(BLOCKS), np.arange(BLOCKS) + 0.5) / BLOCKS)
-    found, white = (waves @ products) ** 2, waves**2 @ powers + 1e-300
-    return max(1.0, *(float(found[1:last].sum() / white[1:last].sum()) for last in (SLOWEST + 1, BLOCKS)))
 
 
 def _amounts(y_um: Floats, groups: Sequence[_Group]) -> list[Floats]:

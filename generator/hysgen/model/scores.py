@@ -38,7 +38,6 @@ from hysgen.errors import RecordError
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.regression import Starts
 from hysgen.model.remaining import Named, Remaining, Taken, take_out
 from hysgen.model.simulate import HorizonCurve, ModelOutput, free_run, horizon_curve, one_step
 from hysgen.record import Record
@@ -322,21 +321,20 @@ def score(
     model: Model,
     record: Record,
     settle: int | None = None,
-    starts: Starts | None = None,
     follow_drift: bool = False,
 ) -> Scores:
     """One-step, horizon and free-run scores of a model on a record, with persistence and the noise floor.
 
     A segment with a known past (a record that was cut by `rows` or `split`) is simulated from the start of its past.
     settle: samples at the start of each segment that are simulated but not scored; by default those in which the
-    unknown past matters (`unknown_past`). starts, follow_drift: as for `simulate.free_run`.
+    unknown past matters (`unknown_past`). follow_drift: as for `simulate.free_run`.
     Raises RecordError if the record's sampling period is not the model's, or if `settle` leaves no sample.
     """
-    free, noise = free_run(model, record, starts, follow_drift), noise_floor(record)
+    free, noise = free_run(model, record, follow_drift=follow_drift), noise_floor(record)
     unknown = unknown_past(model, record, noise.rms_um) if settle is None else None
     unscored = [settle or 0] * len(record.segments) if unknown is None else list(unknown.rows)
     scored = score_prediction(record, _outputs(free), unscored)
-    ahead = score_prediction(record, _outputs(one_step(model, record, starts)), unscored)
+    ahead = score_prediction(record, _outputs(one_step(model, record)), unscored)
     resting = score_prediction(record, persistence(record), unscored)
     remaining = remaining_of(model, record, _outputs(free), unscored)
     clamped = sum(run.y_clamped for run in free), sum(run.u_clamped for run in free)
@@ -350,7 +348,7 @@ def score(
         own=_score(record, remaining.error_um, remaining.counted),
         taken=remaining.taken,
         persistence=resting,
-        horizon=horizon_curve(model, record, starts=starts, unscored=unscored),
+        horizon=horizon_curve(model, record, unscored=unscored),
         noise=noise,
         y_clamped=clamped[0],
         u_clamped=clamped[1],

@@ -4,8 +4,8 @@ NumPy's functions and operators on these arrays come here by its protocols `__ar
 An operation that is not listed here is refused with KernelRefusalError: nothing is traced by guessing.
 
     float32    + - *, comparisons, -x, |x|, finite or not
-    uint32     + - * & | ^ << >>, % 2^n, comparisons, ~x, largest
-    bool       & | ^ ~, any
+    uint32     + - * & | ^ << >>, % 2^n, comparisons, ~x
+    bool       & | ^ ~, sum
     all        where, stack, slices, elements at a traced index
 """
 
@@ -70,10 +70,6 @@ class Symbols(NDArrayOperatorsMixin):
         return self.ops.size
 
     @property
-    def ndim(self) -> int:
-        return self.ops.ndim
-
-    @property
     def T(self) -> Symbols:
         return Symbols(self.graph, self.ops.T, self.dtype)
 
@@ -102,31 +98,14 @@ class Symbols(NDArrayOperatorsMixin):
             raise KernelRefusalError(f"{self.dtype} becomes {target}")
         return Symbols(self.graph, self.ops, target)
 
-    def any(self, axis: int | None = None) -> Symbols | bool:
-        """Along an axis; without one, whether it may be true in a lane: the reference asks this to spare work."""
-        if axis is None:
-            return any(op.kind != "const" or op.number for op in self.ops.ravel())
-        return self._reduced(lambda a, b: self.graph.op("or", a, b), _TRUTH, axis)
-
-    def max(self, axis: int = 0) -> Symbols:
-        graph = self.graph
-        if self.dtype != _WORD:
-            raise KernelRefusalError(f"the largest of {self.dtype}")
-        return self._reduced(lambda a, b: graph.select(graph.op("cmpgtu", b, a), b, a), _WORD, axis)
-
     def sum(self, axis: int = 0, dtype: Any = None) -> Symbols:
         if self.dtype == _FLOAT:
             raise KernelRefusalError("a sum of floats in an order that NumPy chooses")
-        return self._reduced(lambda a, b: self.graph.op("add", a, b), np.dtype(dtype or _WORD), axis)
-
-    def _reduced(self, both: Callable[[Op, Op], Op], dtype: np.dtype[Any], axis: int) -> Symbols:
         rows = np.moveaxis(self.ops, axis, 0)
-        if not len(rows):
-            return coerced(self.graph, np.zeros(rows.shape[1:], np.uint32), dtype)
-        total = rows[0]
-        for row in rows[1:]:
-            total = _each(both, total, row)
-        return Symbols(self.graph, total, dtype)
+        total = coerced(self.graph, np.zeros(rows.shape[1:], np.uint32), np.dtype(dtype or _WORD))
+        for row in rows:
+            total.ops = _each(lambda a, b: self.graph.op("add", a, b), total.ops, row)
+        return total
 
     def __getitem__(self, key: Any) -> Symbols:
         keys = key if isinstance(key, tuple) else (key,)
@@ -139,9 +118,6 @@ class Symbols(NDArrayOperatorsMixin):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         keys = key if isinstance(key, tuple) else (key,)
-        if not any(isinstance(part, Symbols) for part in keys):
-            self.ops[key] = coerced(self.graph, value, self.dtype).ops
-            return
         distance, _, row = self._distance(keys)
         if row != 1:
             raise KernelRefusalError("a store of a row at a traced index")
@@ -288,7 +264,6 @@ _FUNCTIONS: Final[Mapping[Any, Callable[..., Any]]] = {
     np.stack: _stack,
     np.full_like: _filled,
     np.zeros_like: lambda graph, like, dtype=None: _filled(graph, like, 0, dtype),
-    np.empty_like: lambda graph, like, dtype=None: _filled(graph, like, 0, dtype),
     np.ones_like: lambda graph, like, dtype=None: _filled(graph, like, 1, dtype),
     np.shape: lambda _, array: array.shape,
     np.tile: lambda graph, array, times: Symbols(graph, np.tile(array.ops, times), array.dtype),

@@ -123,11 +123,6 @@ class Sweep:
         if self._solver is not None and self.facts:
             self._solver.know([self.representative(fact) for fact in self.facts])
 
-    @property
-    def solves(self) -> bool:
-        """Whether the solver is installed."""
-        return self._solver is not None
-
     def representative(self, op: Op) -> Op:
         """The operation that stands for every operation that is equal to `op`."""
         pending = [op]
@@ -239,12 +234,12 @@ class Sweep:
         bits = self._values[id(op)] = self._computed(op)
         alike = self._alike.setdefault(bits.tobytes(), [])
         if self._solver is not None and op.kind in _SOLVED and self.asked < MOST_ASKED:
-            own = {id(variable) for variable in _variables(op)}
+            own = set(map(id, _variables(op)))
             candidates = [
                 other for other in alike if self._side[id(other)] != self.side or op.kind == other.kind == "select"
             ]
             candidates.sort(key=lambda other: other.kind != op.kind)
-            related = (other for other in candidates if _nested(own, {id(op) for op in _variables(other)}))
+            related = (other for other in candidates if _nested(own, set(map(id, _variables(other)))))
             for other in itertools.islice(related, CANDIDATES):
                 self.asked += 1
                 if self._solver.equal(op, other):

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
-from hysgen.diagnosis.probe.uncertainty import BLOCKS
-from hysgen.record.series import residual_noise
+from hysgen.record.series import BLOCKS, residual_noise
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

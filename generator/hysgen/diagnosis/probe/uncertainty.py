@@ -35,10 +35,9 @@ from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import Fit, Projector, projector_off, refine, rms, sensitivities
 from hysgen.machine.kernels import innovation_gains, innovations, lag_states
+from hysgen.record.series import BLOCKS, block_edges
 
 Floats = NDArray[np.float64]
-
-BLOCKS = 40
 
 LEAST_LEVERAGE, MOST_LEVERAGE = 1e-12, 0.99
 """Bounds on the leverage of one block; at 1 the residual of a fit without the block does not exist."""
@@ -91,10 +90,6 @@ def _orthogonal_part(columns: Floats, base: Floats) -> Floats:
     scaled = base / scale[:, None]
     gram = scaled @ scaled.T + 1e-9 * np.eye(len(base))
     return np.asarray(columns - (np.linalg.solve(gram, scaled @ columns.T).T) @ scaled)
-
-
-def block_edges(rows: int) -> NDArray[np.intp]:
-    return np.linspace(0, rows, BLOCKS + 1).astype(np.intp)
 
 
 def _sandwich(J: Floats, error: Floats) -> Floats:

@@ -26,9 +26,6 @@ from hysgen.model.path.base import limited
 from hysgen.model.path.modes import Modes
 from hysgen.model.structs import Member, Quantity
 
-DECAYED = 1e-4
-"""Rest of an impulse response at which the sum of its magnitudes ends."""
-
 WORDS = ("position", "position_low", "velocity", "velocity_low")
 
 
@@ -78,12 +75,19 @@ class Drives(Coupling):
         shape = (len(self.f_Hz), len(self.channels))
         return np.reshape(self.share, shape), np.reshape(self.quadrature, shape)
 
+    def _values(self, drive: Drive) -> Floats:
+        """(j, n) of the channels about their middles. Raises ModelError if the drive lacks a channel."""
+        return super().regressors(dataclasses.replace(drive, start={})).T
+
     def states(self, drive: Drive) -> Floats:
         """(n, m, 2) position and velocity of each mode, from those in `drive.start`, (2 m,), or at rest.
 
         Raises ModelError if the drive lacks a channel.
         """
-        values = super().regressors(dataclasses.replace(drive, start={})).T
+        return self._states(self._values(drive), drive)
+
+    def _states(self, values: Floats, drive: Drive) -> Floats:
+        """`states` under the values of the channels."""
         start = drive.start.get(self.kind, np.zeros(2 * len(self.f_Hz)))
         out = np.empty((drive.u_V.size, len(self.f_Hz), 2))
         for m, (step, re, im) in enumerate(zip(self._modes.steps(drive.Ts_s), *self._shares(), strict=True)):
@@ -96,15 +100,15 @@ class Drives(Coupling):
 
     def regressors(self, drive: Drive) -> Floats:
         """(n, 2) o(k) and o(k+1) - o(k). Raises ModelError if the drive lacks a channel."""
-        states, steps, (re, im) = self.states(drive), self._modes.steps(drive.Ts_s), self._shares()
-        last = super().regressors(dataclasses.replace(drive, start={}))[-1]
+        values = self._values(drive)
+        states, steps, (re, im) = self._states(values, drive), self._modes.steps(drive.Ts_s), self._shares()
+        last = values[:, -1]
         away = re @ last - states[-1, :, 0] + 1j * (im @ last - states[-1, :, 1])
         moved = states[:, :, 0].sum(axis=1)
         return np.stack([moved, np.diff(moved, append=moved[-1] + float((steps * away).real.sum()))], axis=1)
 
     def burn_in(self, drive: Drive) -> int:
-        slowest = min(f * zeta for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
-        return min(1 + int(np.log(100.0) / (2.0 * np.pi * slowest * drive.Ts_s)), drive.u_V.size)
+        return min(1 + self._modes.fading_samples(np.log(100.0), drive.Ts_s), drive.u_V.size)
 
     def box(self, Ts_s: float) -> TermBox:
         """Samples as those of a coupling; each of the four words of a mode stays below LIMIT of `float32_arithmetic`.
@@ -161,8 +165,7 @@ class Drives(Coupling):
 @functools.lru_cache(maxsize=64)
 def _most(term: Drives, Ts_s: float) -> tuple[float, float]:
     """1.01 sum over channels of half the width times the sum of |phi| for a unit impulse, until it has decayed."""
-    slowest = min(f * zeta for f, zeta in zip(term.f_Hz, term.zeta, strict=True))
-    samples = min(2 + int(-np.log(DECAYED) / (2.0 * np.pi * slowest * Ts_s)), 1_000_000)
+    samples = term._modes.impulse_samples(Ts_s)
     most = np.zeros(2)
     for c, name in enumerate(term.channels):
         aux = {other: np.full(samples, middle) for other, middle in zip(term.channels, term.middle, strict=True)}

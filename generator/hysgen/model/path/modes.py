@@ -35,6 +35,9 @@ from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
 
+DECAYED, MOST_IMPULSE = 1e-4, 1_000_000
+"""Rest of an impulse response at which the sum of its magnitudes ends, and the most samples of it."""
+
 LEAST_DIRECT = 1e-3
 """Share of x(k) in w(k) below which the inverse would amplify rounding errors of w a thousandfold."""
 
@@ -80,6 +83,15 @@ class Modes(InputBlock):
     def stiff(self) -> float:
         """Share of no mode, 1 - sum q."""
         return 1.0 - sum(self.share)
+
+    def fading_samples(self, folds: float, Ts_s: float) -> int:
+        """Samples in which the slowest mode falls by a factor exp(folds), rounded down."""
+        slowest = min(f * zeta for f, zeta in zip(self.f_Hz, self.zeta, strict=True))
+        return int(folds / (2.0 * np.pi * slowest * Ts_s))
+
+    def impulse_samples(self, Ts_s: float) -> int:
+        """Samples of an impulse response until the slowest mode has decayed to DECAYED, at most MOST_IMPULSE."""
+        return min(2 + self.fading_samples(-np.log(DECAYED), Ts_s), MOST_IMPULSE)
 
     def steps(self, Ts_s: float) -> NDArray[np.complex128]:
         """(m,) s = 1 - exp(lambda Ts), free of cancellation for slow modes.

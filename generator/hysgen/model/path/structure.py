@@ -21,9 +21,6 @@ from hysgen.model.intervals import Interval
 from hysgen.model.path.base import Floats
 from hysgen.model.path.modes import Modes
 
-DECAYED = 1e-4
-"""Rest of an impulse response at which the sum of its magnitudes ends."""
-
 
 @dataclass(frozen=True)
 class Structure(Modes):
@@ -80,10 +77,8 @@ class Structure(Modes):
 
 @functools.lru_cache(maxsize=64)
 def _magnitude(block: Structure) -> float:
-    """Sum of |w(k)| for a unit impulse, 1.01 times, until the slowest mode has decayed to DECAYED."""
-    slowest = min(f * zeta for f, zeta in zip(block.f_Hz, block.zeta, strict=True))
-    samples = 2 + int(-np.log(DECAYED) / (2.0 * np.pi * slowest * block.Ts_s))
-    impulse = np.zeros(min(samples, 1_000_000))
+    """Sum of |w(k)| for a unit impulse, 1.01 times, until the slowest mode has decayed (`impulse_samples`)."""
+    impulse = np.zeros(block.impulse_samples(block.Ts_s))
     impulse[0] = 1.0
     return 1.01 * float(np.abs(block.apply(impulse, block.Ts_s, block.start(0.0))).sum())
 
