@@ -5,14 +5,19 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+
+VOCABULARY: dict[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
+"""Words by which columns, units and settings of a file are recognised."""
 
 # Each unit as (multiply by, divide by), so that 1500 nm becomes exactly 1.5 um and not 1500 * 0.001.
 UNITS: dict[str, dict[str, tuple[float, float]]] = {
@@ -30,6 +35,8 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
 BASE = {"time": "s", "voltage": "V", "displacement": "um"}
 OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_um"}
 """Names of the columns in hysgen's own files."""
+IN_WORDS = {word: unit for unit, words in VOCABULARY["units"].items() for word in words.split()}
+"""Units in full, lower case."""
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
 
 
@@ -268,57 +275,3 @@ def split_unit(name: str) -> tuple[str, str | None]:
         if any(plain_unit(unit) in units for units in UNITS.values()) or _OTHER_UNITS.fullmatch(unit):
             return ending.group(1), unit
     return text, None
-
-
-IN_WORDS = {
-    "sec": "s",
-    "secs": "s",
-    "second": "s",
-    "seconds": "s",
-    "sek": "s",
-    "sekunden": "s",
-    "msec": "ms",
-    "milliseconds": "ms",
-    "usec": "us",
-    "minutes": "min",
-    "volt": "V",
-    "volts": "V",
-    "vdc": "V",
-    "mvdc": "mV",
-    "伏": "V",
-    "秒": "s",
-    "micron": "um",
-    "microns": "um",
-    "micrometer": "um",
-    "micrometre": "um",
-    "micrometers": "um",
-    "micrometres": "um",
-    "mikrometer": "um",
-    "millimeter": "mm",
-    "millimeters": "mm",
-    "millimetres": "mm",
-    "nanometers": "nm",
-    "nanometres": "nm",
-    "meter": "m",
-    "meters": "m",
-    "metres": "m",
-    "millivolt": "mV",
-    "millivolts": "mV",
-    "å": "angstrom",
-    "millis": "ms",
-    "micros": "us",
-    "微米": "um",
-    "纳米": "nm",
-    "nanometer": "nm",
-    "nanometre": "nm",
-    "毫秒": "ms",
-    "\N{CYRILLIC SMALL LETTER ES}": "s",
-    "мс": "ms",
-    "мкс": "us",
-    "\N{CYRILLIC SMALL LETTER VE}": "V",
-    "мв": "mV",
-    "мкм": "um",
-    "нм": "nm",
-    "мм": "mm",
-}
-"""Units in full, lower case."""

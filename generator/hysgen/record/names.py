@@ -18,79 +18,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import BASE, OWN, UNITS, Columns, plain_unit, role_may_end_in, split_unit
+from hysgen.record.columns import BASE, OWN, UNITS, VOCABULARY, Columns, plain_unit, role_may_end_in, split_unit
 
-WORDS: dict[str, tuple[str, ...]] = {
-    "time": (
-        "time",
-        "t",
-        "zeit",
-        "temps",
-        "时间",
-        "時間",
-        "время",
-        "timestamp",
-        "zeitstempel",
-        "horodatage",
-        "clock",
-        "elapsed",
-        "seconds",
-        "sekunden",
-        "x_value",
-    ),
-    "voltage": (
-        "voltage",
-        "volt",
-        "volts",
-        "u",
-        "spannung",
-        "tension",
-        "电压",
-        "電圧",
-        "напряжение",
-        "drive",
-        "command",
-        "cmd",
-        "input",
-        "eingang",
-        "entree",
-        "excitation",
-        "ansteuerung",
-        "commande",
-        "dac",
-        "ao0",
-        "输入",
-    ),
-    "displacement": (
-        "displacement",
-        "position",
-        "pos",
-        "y",
-        "weg",
-        "auslenkung",
-        "verschiebung",
-        "deplacement",
-        "位移",
-        "位置",
-        "変位",
-        "перемещение",
-        "положение",
-        "sensor",
-        "capteur",
-        "output",
-        "ausgang",
-        "sortie",
-        "stroke",
-        "hub",
-        "deflection",
-        "travel",
-        "extension",
-        "elongation",
-        "dehnung",
-        "ai0",
-        "输出",
-    ),
-}
+WORDS = {role: tuple(words.split()) for role, words in VOCABULARY["roles"].items()}
 """Words of each role, the plainest first: an earlier word wins over a later one."""
 
 ROLES = tuple(WORDS)
@@ -100,19 +30,10 @@ Entry = TypeVar("Entry")
 PART = 3
 """Letters of a word that counts inside a longer one."""
 
-WANTED = ("target", "setpoint", "set", "demand", "desired", "reference", "soll", "sollwert", "consigne", "error")
+WANTED = frozenset(VOCABULARY["beside"]["wanted"].split())
 """Words of a displacement that was asked for or missed, not measured: it is chosen where there is no other."""
 
-
-PLAIN = frozenset(
-    re.findall(
-        r"\w+",
-        "sensor filtered filter filt smoothed measured meas actual act ist real mon monitor channel axis stage piezo "
-        "mirror probe signal data value read readback cap capacitive strain gauge encoder interferometer laser amp "
-        "amplifier hv ctrl control closed open loop fb feedback left right top bottom front back upper lower total abs "
-        "rel mean avg average calibrated cal corrected new old final log in out train training test validation run",
-    )
-)
+PLAIN = frozenset(VOCABULARY["beside"]["plain"].split())
 """Words behind a name that are taken for no unit."""
 
 
@@ -248,7 +169,7 @@ def _best(role: str, names: Sequence[str], units: Mapping[str, str]) -> list[str
 
 def _measured(role: str, entries: list[Entry], name_of: Callable[[Entry], str]) -> list[Entry]:
     """The entries without displacements that were asked for or missed, unless all are."""
-    measured = [entry for entry in entries if role != "displacement" or not set(words_of(name_of(entry))) & set(WANTED)]
+    measured = [entry for entry in entries if role != "displacement" or not set(words_of(name_of(entry))) & WANTED]
     return measured or entries
 
 

@@ -13,35 +13,11 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hysgen.record.columns import UNITS, plain_unit
+from hysgen.record.columns import UNITS, VOCABULARY, plain_unit
 from hysgen.record.spelling import number
 
-NAME_LABELS = ("tracename", "trace name", "signal name", "channel name", "path", "columns", "column names", "fields")
-UNIT_LABELS = ("vunit", "vertical units", "unit", "units", "einheit")
-HORIZONTAL_LABELS = ("horizontal units", "hunit")
-PERIOD_LABELS = (
-    "sample_time",
-    "sample time",
-    "sampletime",
-    "delta_x",
-    "delta t",
-    "dt",
-    "hresolution",
-    "sample interval",
-    "sampling interval",
-    "sample period",
-    "sampling period",
-    "abtastzeit",
-)
-RATE_LABELS = (
-    "sample rate",
-    "samplerate",
-    "sampling rate",
-    "sampling frequency",
-    "acquisition rate",
-    "abtastrate",
-    "rate",
-)
+LABELS: dict[str, list[str]] = VOCABULARY["labels"]
+"""What stands before names, units, the sampling period and the rate."""
 RATE_UNITS = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "s/s": 1.0, "sa/s": 1.0, "ks/s": 1e3, "ksa/s": 1e3, "ms/s": 1e6}
 
 _NUMBER = r"[-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?"
@@ -55,7 +31,7 @@ def _setting(labels: Sequence[str]) -> re.Pattern[str]:
     )
 
 
-_PERIOD, _RATE = _setting(PERIOD_LABELS), _setting(RATE_LABELS)
+_PERIOD, _RATE = _setting(LABELS["period"]), _setting(LABELS["rate"])
 
 
 @dataclass(frozen=True)
@@ -71,9 +47,9 @@ class Preamble:
 def preamble_of(lines: Sequence[str], separator: str, fields: int) -> Preamble:
     """The preamble of a table with `fields` columns. lines: those above it, without marks of comments."""
     cells = [[one.strip().strip('"') for one in line.split(separator)] for line in lines]
-    names = _labelled(cells, NAME_LABELS, fields) or _alternating(cells, "Name", fields) or _numbered(lines, fields)
-    units = _labelled(cells, UNIT_LABELS, fields)
-    horizontal = next((row[1] for row in cells if len(row) > 1 and row[0].lower() in HORIZONTAL_LABELS), "")
+    names = _labelled(cells, LABELS["name"], fields) or _alternating(cells, "Name", fields) or _numbered(lines, fields)
+    units = _labelled(cells, LABELS["unit"], fields)
+    horizontal = next((row[1] for row in cells if len(row) > 1 and row[0].lower() in LABELS["horizontal"]), "")
     if units and horizontal and not units[0] and not names:
         units = (horizontal, *units[1:])
     if names and units:
@@ -83,7 +59,7 @@ def preamble_of(lines: Sequence[str], separator: str, fields: int) -> Preamble:
 
 def labels_names(row: Sequence[str]) -> bool:
     """Whether a row holds names behind labels: it is no header, for its first cell names nothing."""
-    return row[0].lower() in NAME_LABELS or (len(row) >= 4 and all(one == "Name" for one in row[::2]))
+    return row[0].lower() in LABELS["name"] or (len(row) >= 4 and all(one == "Name" for one in row[::2]))
 
 
 def _labelled(cells: Sequence[Sequence[str]], labels: Sequence[str], fields: int) -> tuple[str, ...]:

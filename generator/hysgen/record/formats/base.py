@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.columns import VOCABULARY
 
 Array = NDArray[np.generic]
 
@@ -70,20 +71,8 @@ def one_line(fault: BaseException) -> str:
     return " ".join(str(fault).split())[:120] or type(fault).__name__
 
 
-PERIODS = {
-    "ts_s": 1.0,
-    "ts": 1.0,
-    "dt": 1.0,
-    "delta_t": 1.0,
-    "sample_time": 1.0,
-    "sampletime": 1.0,
-    "sampling_period": 1.0,
-    "fs_hz": -1.0,
-    "fs": -1.0,
-    "sample_rate": -1.0,
-    "samplerate": -1.0,
-    "sampling_rate": -1.0,
-    "sampling_frequency": -1.0,
+PERIODS = {name: 1.0 for name in VOCABULARY["scalars"]["period"].split()} | {
+    name: -1.0 for name in VOCABULARY["scalars"]["rate"].split()
 }
 """Lower-case names of scalars that give the sampling period in s (+1) or the rate in Hz (-1)."""
 
