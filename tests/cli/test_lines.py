@@ -15,12 +15,11 @@ from typing import Any
 
 import pytest
 
-from hysgen.cli import main, progress
-from hysgen.cli.console import Console, command_line, folded
+from hysgen.cli import main
+from hysgen.cli.console import Console, ProgressLine, command_line, folded
 from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
 from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
-from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, export, firmware, verify
 from hysgen.display import table
 from hysgen.errors import BuildError, HysgenError, RecordError
@@ -104,7 +103,7 @@ def test_lines_follow_each_other_at_most_in_an_interval(
     stream: io.StringIO, interval: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = 1000.0
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    monkeypatch.setattr("hysgen.cli.console.time.monotonic", lambda: now)
     monkeypatch.setattr(ProgressLine, "_repeat", lambda self: None)
     line = ProgressLine(stream, started=1000.0)
     for at, fraction in (
@@ -137,7 +136,7 @@ def test_lines_follow_each_other_at_most_in_an_interval(
 def test_time_is_said_from_three_seconds_and_five_percent_on(
     passed: float, fraction: float, text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(progress.time, "monotonic", lambda: 100.0 + passed)
+    monkeypatch.setattr("hysgen.cli.console.time.monotonic", lambda: 100.0 + passed)
     err = io.StringIO()
     line = ProgressLine(err, verbose=True, started=100.0)
     line.show(fraction, "x")

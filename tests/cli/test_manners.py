@@ -15,12 +15,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hysgen.cli import main, progress
-from hysgen.cli.completion import options_of, script
-from hysgen.cli.console import Console, folded
-from hysgen.cli.main import parser
+from hysgen.cli import main
+from hysgen.cli.console import Console, ProgressLine, folded
+from hysgen.cli.main import options_of, parser, script
 from hysgen.cli.options import parse_rows
-from hysgen.cli.progress import ProgressLine
 from hysgen.cli.verbs import NAMES, verb
 from hysgen.display import table
 from hysgen.errors import RecordError
@@ -160,7 +158,7 @@ def test_progress_says_seconds_and_quiet_says_nothing() -> None:
 
 def test_the_time_left_does_not_rise_within_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 100.0
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
+    monkeypatch.setattr("hysgen.cli.console.time.monotonic", lambda: now)
     err = io.StringIO()
     line = ProgressLine(err, verbose=True, started=80.0)
     for seconds in range(0, 25, 5):
@@ -172,7 +170,7 @@ def test_the_time_left_does_not_rise_within_a_step(monkeypatch: pytest.MonkeyPat
 
 
 def test_progress_is_repeated_while_a_computation_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "SECONDS", 0.1)
+    monkeypatch.setattr("hysgen.cli.console.SECONDS", 0.1)
     err = io.StringIO()
     console = Console(err=err)
     console.progress(0.2, "searching")
@@ -251,7 +249,7 @@ def test_a_terminal_sees_progress_twice_a_second_and_a_file_every_two(monkeypatc
     monkeypatch.setattr(ProgressLine, "_repeat", lambda self: None)
     for stream, expected in ((Terminal(), 6), (io.StringIO(), 2)):
         now = 100.0
-        monkeypatch.setattr(progress.time, "monotonic", lambda: now)  # noqa: B023
+        monkeypatch.setattr("hysgen.cli.console.time.monotonic", lambda: now)  # noqa: B023
         line = ProgressLine(stream, started=100.0)
         for step in range(12):
             now = 100.0 + 0.3 * step

@@ -37,7 +37,7 @@ from hysgen.diagnosis.probe import (
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
-from hysgen.record.outlier_detection import outlier_flags
+from hysgen.record.wrong_readings import outlier_flags
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

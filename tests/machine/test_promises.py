@@ -374,11 +374,11 @@ def test_roots_are_those_of_the_polynomial_also_from_equal_initial_values() -> N
 def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from hysgen.machine import checkpoint
+    from hysgen.machine import cache
 
     def full(*_: object) -> None:
         raise HysgenError("full")
 
-    monkeypatch.setattr(checkpoint, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(checkpoint, "write_whole", full)
-    assert checkpoint.resumed(("x",), tmp_path, lambda: 7) == 7
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(cache, "write_whole", full)
+    assert cache.resumed(("x",), tmp_path, lambda: 7) == 7

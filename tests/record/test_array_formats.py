@@ -75,49 +75,6 @@ def hdf5_of_packed_integers(path: Path) -> None:
         file["log/gauge"].attrs["Unit"] = np.bytes_("nm")
 
 
-PICKLED_NAMES = b"(lp0\nVtime\np1\naVvoltage\np2\naVposition_nm\np3\na."
-"""Names of columns as pandas 3.1 leaves them in an attribute: a pickle of protocol 0."""
-
-
-def frame_of_blocks(path: Path) -> None:
-    """The layout that `DataFrame.to_hdf` writes, without PyTables, which is no dependency of the tests."""
-    with h5py.File(path, "w") as file:
-        group = file.create_group("run")
-        group.attrs["pandas_type"] = np.bytes_("frame")
-        group["axis1"] = np.arange(N)
-        group["axis1"].attrs.update({"kind": np.bytes_("integer"), "name": np.bytes_("N.")})
-        group["block0_items"] = np.array([b"time", b"voltage", b"position_nm"])
-        group["block0_values"] = np.column_stack([TIME_S, U_V, 1e3 * Y_UM])
-
-
-def frame_as_table(path: Path) -> None:
-    """The same with format="table": one field for all columns, and an index of PyTables beside it."""
-    rows = np.zeros(N, dtype=[("index", "i8"), ("values_block_0", "f8", (3,))])
-    rows["index"], rows["values_block_0"] = np.arange(N), np.column_stack([TIME_S, U_V, 1e3 * Y_UM])
-    with h5py.File(path, "w") as file:
-        file.create_group("run").attrs["pandas_type"] = np.bytes_("frame_table")
-        file["run/table"] = rows
-        file["run/table"].attrs.update(
-            {"index_kind": np.bytes_("integer"), "values_block_0_kind": np.bytes_(PICKLED_NAMES)}
-        )
-        file["run/_i_table/index/bounds"] = np.zeros((3, 4))
-
-
-def frame_of_dates(path: Path) -> None:
-    """Data columns, and dates in nanoseconds as an index with a name."""
-    rows = np.zeros(N, dtype=[("index", "i8"), ("voltage", "f8"), ("position_nm", "f8")])
-    rows["index"] = 1_795_428_000_000_000_000 + np.round(1e9 * TIME_S).astype("i8")
-    rows["voltage"], rows["position_nm"] = U_V, 1e3 * Y_UM
-    with h5py.File(path, "w") as file:
-        group = file.create_group("run")
-        group.attrs["pandas_type"] = np.bytes_("frame_table")
-        group.attrs["info"] = np.bytes_(
-            b"(dp0\nI1\n(dp1\nVnames\np2\nNsVindex\np6\n(dp7\nVindex_name\np8\nVwhen\np9\nss."
-        )
-        group["table"] = rows
-        group["table"].attrs["index_kind"] = np.bytes_("datetime64[ns]")
-
-
 COLUMNS = {"time": TIME_S.tolist(), "voltage": U_V.tolist(), "position_nm": (1e3 * Y_UM).tolist()}
 
 
@@ -157,9 +114,6 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "JSON, split": ("json", json_split),
     "JSON of pandas": ("json", json_of_pandas),
     "JSON, arrays and a rate": ("json", json_with_a_period),
-    "DataFrame in HDF5, fixed": ("h5", frame_of_blocks),
-    "DataFrame in HDF5, table": ("h5", frame_as_table),
-    "DataFrame in HDF5, dates": ("h5", frame_of_dates),
 }
 
 
@@ -178,6 +132,17 @@ def test_json_without_columns_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "log.json").write_text(text)
     with pytest.raises(RecordError, match=r"log\.json: is (JSON without columns of numbers|no whole JSON)"):
         load_record(tmp_path / "log.json")
+
+
+def test_a_dataframe_in_hdf5_is_refused_with_two_cures(tmp_path: Path) -> None:
+    """The layout that `DataFrame.to_hdf` writes, without PyTables, which is no dependency of the tests."""
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        group = file.create_group("run")
+        group.attrs["pandas_type"] = np.bytes_("frame")
+        group["block0_items"] = np.array([b"time", b"voltage", b"position_nm"])
+        group["block0_values"] = np.column_stack([TIME_S, U_V, 1e3 * Y_UM])
+    with pytest.raises(RecordError, match=r"log\.h5: holds a DataFrame \(run\).*CSV or Parquet.*from_dataframe\("):
+        load_record(tmp_path / "log.h5")
 
 
 def test_groups_of_an_hdf5_file_that_hold_the_same_names_are_segments(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from hysgen.errors import RecordError
 from hysgen.record import Record
-from hysgen.record.plausibility import at_end, swapped
+from hysgen.record.checks import at_end, swapped
 from hysgen.record.segment import Segment
 from hysgen_lab.stage import (
     BoucWen,

@@ -13,7 +13,7 @@ import pytest
 from hysgen.errors import RecordError
 from hysgen.record.columns import Columns
 from hysgen.record.csv_text import CsvTable, read_csv, write_csv
-from hysgen.record.formats.matlab_tables import read_tables
+from hysgen.record.formats.hdf5 import read_tables
 from hysgen.record.runs import at_gaps, runs_of_arrays, runs_of_table, shifted
 from hysgen.record.segment import NO_STAMPS, Origin, Segment
 

@@ -15,14 +15,13 @@ import shutil
 import sys
 import tempfile
 import textwrap
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
-from hysgen.cli.completion import SHELLS, options_of, script
 from hysgen.cli.console import Console, discard_stdout, folded
 from hysgen.cli.outputs import check_outputs
-from hysgen.cli.project import project_options
 from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
 from hysgen.errors import HysgenError
 from hysgen.machine.files import version
@@ -224,3 +223,101 @@ def _fails(command: str, text: str) -> int:
 def _nowhere() -> TextIO:
     """What takes the place of a standard stream that a scheduler has closed."""
     return os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
+
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def script(shell: str, options: Mapping[str, Sequence[str]]) -> str:
+    """The text for a shell's start-up file. options: the options of each verb."""
+    if shell == "fish":
+        verbs = " ".join(options)
+        lines = [f"complete -c hysgen -n __fish_use_subcommand -f -a '{verbs}'"]
+        lines += [
+            f"complete -c hysgen -n '__fish_seen_subcommand_from {verb}' -l {option.removeprefix('--')}"
+            for verb, names in options.items()
+            for option in names
+            if option.startswith("--")
+        ]
+        return "\n".join(lines) + "\n"
+    cases = "\n".join(f"        {verb}) words='{' '.join(names)}' ;;" for verb, names in options.items())
+    head = "autoload -U +X bashcompinit && bashcompinit\n" if shell == "zsh" else ""
+    return f"""{head}_hysgen() {{
+    local word="${{COMP_WORDS[COMP_CWORD]}}" words
+    case "${{COMP_WORDS[1]}}" in
+{cases}
+    esac
+    if [ "$COMP_CWORD" -eq 1 ]; then
+        COMPREPLY=($(compgen -W '{" ".join(options)}' -- "$word"))
+    elif [ "${{word#-}}" != "$word" ]; then
+        COMPREPLY=($(compgen -W "$words" -- "$word"))
+    else
+        COMPREPLY=($(compgen -f -- "$word"))
+    fi
+}}
+complete -o filenames -F _hysgen hysgen
+"""
+
+
+def options_of(parser: argparse.ArgumentParser) -> dict[str, list[str]]:
+    """The options of each verb of the whole parser."""
+    verbs = next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return {
+        name: [option for action in sub._actions for option in action.option_strings]
+        for name, sub in verbs.choices.items()
+    }
+
+
+NAME = "hysgen.toml"
+RECORD = "record"
+"""Table whose options are those of every verb that reads a record."""
+
+
+def project_options(verb: str, parser: argparse.ArgumentParser, known: tuple[str, ...]) -> dict[str, Any]:
+    """Defaults for the parser of a verb, by destination. known: names of all verbs.
+
+    Raises HysgenError for a file that is no TOML, for a table that is no verb, and for a key that is no option.
+    """
+    path = Path(NAME)
+    if not path.is_file():
+        return {}
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as fault:
+        raise HysgenError(f"{NAME}: cannot be read ({fault}); correct it, or remove it") from fault
+    for table, options in tables.items():
+        if not isinstance(options, dict):
+            raise HysgenError(f"{NAME}: {table} stands outside a table; write it below [{RECORD}] or a verb")
+        if table != RECORD and table not in known:
+            raise HysgenError(f"{NAME}: [{table}] is no verb; write [{RECORD}] or one of {', '.join(known)}")
+    actions = {
+        option[2:]: action for action in parser._actions for option in action.option_strings if option.startswith("--")
+    }
+    given: dict[str, Any] = {}
+    for table in (RECORD, verb):
+        for key, value in tables.get(table, {}).items():
+            action = actions.get(key.replace("_", "-"))
+            if action is not None:
+                given[action.dest] = _converted(action, key, value)
+            elif table == verb or "columns" in actions:
+                from hysgen.record.columns import nearest  # imports NumPy, which --help does without
+
+                raise HysgenError(
+                    f"{NAME}: [{table}] {key}: hysgen {verb} has no option --{key}{nearest(key, actions)}; "
+                    f"see hysgen {verb} --help"
+                )
+    return given
+
+
+def _converted(action: argparse.Action, key: str, value: Any) -> Any:
+    """A value as the option would have it. Raises HysgenError if it does not suit."""
+    try:
+        if action.type is not None and not isinstance(value, (bool, list)):
+            value = action.type(str(value))  # type: ignore[operator]
+    except (TypeError, ValueError) as fault:
+        raise HysgenError(f"{NAME}: {key} = {value!r} does not suit --{key}; correct it") from fault
+    if action.choices is not None:
+        for item in value if isinstance(value, list) else [value]:
+            if item not in action.choices:
+                raise HysgenError(f"{NAME}: {key} = {item!r}: choose from {', '.join(map(str, action.choices))}")
+    return value

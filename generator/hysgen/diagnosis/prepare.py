@@ -27,9 +27,9 @@ from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import lag_states, play_operators
 from hysgen.record import Record, Segment
-from hysgen.record.outlier_detection import EDGE
-from hysgen.record.plausibility import at_end
+from hysgen.record.checks import at_end
 from hysgen.record.series import first_covering
+from hysgen.record.wrong_readings import EDGE
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

@@ -33,7 +33,7 @@ from hysgen.diagnosis.remaining import left_over
 from hysgen.diagnosis.score import LEAST_EVIDENCE, present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
-from hysgen.machine.checkpoint import forget, resumed, steps
+from hysgen.machine.cache import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model

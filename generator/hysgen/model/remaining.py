@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.record.outlier_detection import outlier_flags
 from hysgen.record.series import BLOCKS, dispersion, residual_noise, resolution_um
+from hysgen.record.wrong_readings import outlier_flags
 
 if TYPE_CHECKING:
     from hysgen.model.model import Model

@@ -16,8 +16,8 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import RecordError
 from hysgen.record.checks import check_marks, check_values
 from hysgen.record.columns import Columns
-from hysgen.record.content import parts_of_frame
 from hysgen.record.relation import held, rate, relation, scale
+from hysgen.record.runs import parts_of_frame
 from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
 from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_of, sound
 

@@ -15,10 +15,29 @@ from dataclasses import dataclass, field, replace
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import SEPARATORS, Columns
-from hysgen.record.header import Start, are_units, below_header, header, is_value, unique, units_by_name
-from hysgen.record.lines import CANDIDATES, COMMENT, is_data, split, split_header, without_comment
-from hysgen.record.preamble import Preamble, labels_names, preamble_of
-from hysgen.record.spelling import THOUSANDS, is_clock, quantity
+from hysgen.record.header import (
+    Preamble,
+    Start,
+    are_units,
+    below_header,
+    header,
+    is_value,
+    labels_names,
+    preamble_of,
+    unique,
+    units_by_name,
+)
+from hysgen.record.spelling import (
+    CANDIDATES,
+    COMMENT,
+    THOUSANDS,
+    is_clock,
+    is_data,
+    quantity,
+    split,
+    split_header,
+    without_comment,
+)
 
 HEAD_LINES = 400
 """Lines in which the first row of numbers has to be found."""

@@ -11,11 +11,10 @@ from typing import Any
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import Columns, nearest
-from hysgen.record.content import DEFAULT, Content, checked, columns_of, of_file_arrays
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record
 from hysgen.record.formats import Text, open_checked
-from hysgen.record.runs import runs_of_table
+from hysgen.record.runs import DEFAULT, Content, checked, columns_of, of_file_arrays, runs_of_table
 from hysgen.record.sampling import JITTER
 
 

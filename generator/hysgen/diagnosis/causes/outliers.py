@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
-from hysgen.record.outlier_detection import LEAST_DEVIATION, local_scatter
 from hysgen.record.series import MEDIAN_TO_DEVIATION
-from hysgen.record.wrong_readings import are_frequent
+from hysgen.record.wrong_readings import LEAST_DEVIATION, are_frequent, local_scatter
 
 Floats = NDArray[np.float64]
 

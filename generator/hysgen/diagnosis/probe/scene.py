@@ -13,8 +13,7 @@ from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned, lagged, respond
 from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator
-from hysgen.machine.cache import LruCache
-from hysgen.machine.checkpoint import Steps
+from hysgen.machine.cache import LruCache, Steps
 from hysgen.machine.kernels import lag_sums
 
 Floats = NDArray[np.float64]

@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import FileArrays, Format, Text, one_line
-from hysgen.record.formats.refused_kinds import check_kind
+from hysgen.record.formats.base import FileArrays, Format, Text, check_kind, one_line
 
 __all__ = ["FileArrays", "Format", "Text", "formats", "names_of", "open_checked", "unpacked"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,6 @@ import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.formats.base import Array, FileArrays, Format, one_line, period_in
-from hysgen.record.formats.matlab_tables import read_tables
-from hysgen.record.formats.pandas_hdf5 import TYPE, frame_arrays
 
 FILL_VALUES = ("_FillValue", "missing_value")
 """Attributes of a dataset with the stored value that means none (CF)."""
@@ -33,22 +32,22 @@ def read_hdf5(path: Path) -> FileArrays:
     The fields of a compound dataset are arrays of their own, "table/field". Units are attributes `unit` or `units`,
     in any case; values that were packed with `scale_factor` and `add_offset` are unpacked;
     the period is a scalar attribute of a group or dataset with a name in PERIODS.
-    DataFrames of pandas are read by `pandas_hdf5`; the indices of PyTables (_i_table) are left out.
+    A DataFrame, whose names pandas pickles, is refused; the indices of PyTables (_i_table) are left out.
     MATLAB stores the axes of an array in reverse order. Datasets with MATLAB's attribute are transposed, and their
     vectors made one-dimensional, so that indices have the order of MATLAB. Links are not followed.
     """
     arrays: dict[str, Array] = {}
     units: dict[str, str] = {}
     periods: list[float] = []
-    frames: list[str] = []
 
     def take(name: str, item: Any) -> None:
-        if name.startswith(tuple(frames)) or re.search(r"(^|/)_i_", name):
+        if re.search(r"(^|/)_i_", name):
             return
-        if isinstance(item, h5py.Group) and TYPE in item.attrs:
-            frames.append(f"{name}/")
-            arrays.update(frame_arrays(name, item))
-            return
+        if "pandas_type" in item.attrs:
+            raise RecordError(
+                f"{path.name}: holds a DataFrame ({name}), whose names are pickled; save it as CSV or Parquet, or in "
+                f"Python: hysgen.Record.from_dataframe(pandas.read_hdf('{path.name}'))"
+            )
         period = period_in({str(key): item.attrs[key] for key in item.attrs})
         if period is not None:
             periods.append(period)
@@ -98,3 +97,58 @@ def _is_hdf5(path: Path, head: bytes) -> bool:
 
 
 FORMAT = Format("hdf5", _is_hdf5, read_hdf5, after=("mat",))
+
+
+UNITS = ("varUnits", "VariableUnits")
+"""Attributes of a timetable and of a table that hold the units of its columns."""
+
+
+def read_tables(path: Path) -> tuple[dict[str, Array], dict[str, str]]:
+    """The columns of all tables and timetables of a MAT file as "table/column", and their units.
+
+    The times of the rows are "table/Time" in s: durations unchanged, dates relative to the first row.
+    Raises RecordError without mat-io and for a file whose objects are no tables.
+    """
+    try:
+        from matio import load_from_mat
+    except ModuleNotFoundError as fault:
+        raise RecordError(
+            f"{path.name}: holds a MATLAB table or timetable; pip install 'hysgen[formats]' reads it, or in MATLAB: "
+            "s = table2struct(timetable2table(x), 'ToScalar', true); save('record.mat', '-struct', 's')"
+        ) from fault
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        content = load_from_mat(str(path), add_table_attrs=True)
+    arrays: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    for name, table in content.items():
+        if hasattr(table, "columns") and hasattr(table, "index"):
+            _take(name, table, arrays, units)
+    if not arrays:
+        raise RecordError(f"{path.name}: its objects are no tables of numbers; save the columns as arrays")
+    return arrays, units
+
+
+def _take(name: str, table: Any, arrays: dict[str, Array], units: dict[str, str]) -> None:
+    """Add the times of the rows and the numeric columns of a DataFrame."""
+    kind = np.asarray(table.index).dtype.kind
+    if kind in "mM":
+        times = np.asarray(table.index)
+        start = times[0] if kind == "M" and times.size else np.timedelta64(0, "ns")
+        arrays[f"{name}/Time"] = (times - start) / np.timedelta64(1, "s")
+        units[f"{name}/Time"] = "s"
+    stated = _units(table.attrs)
+    for place, column in enumerate(table.columns):
+        values = np.asarray(table[column])
+        if values.dtype.kind == "m":
+            values = values / np.timedelta64(1, "s")
+        if values.dtype.kind in "fiub":
+            arrays[f"{name}/{column}"] = values
+            if place < len(stated) and stated[place]:
+                units[f"{name}/{column}"] = stated[place]
+
+
+def _units(attributes: Mapping[str, Any]) -> list[str]:
+    """Units of the columns, in their order; empty where the table states none."""
+    found = next((attributes[key] for key in UNITS if len(attributes.get(key, ()))), ())
+    return [str(unit).strip() for unit in np.ravel(np.asarray(found, dtype=object))]

@@ -12,8 +12,7 @@ from scipy.io.matlab import MatlabOpaque
 
 from hysgen.errors import RecordError
 from hysgen.record.formats.base import Array, FileArrays, Format, one_line
-from hysgen.record.formats.hdf5 import MAGIC, MATLAB_BLOCK, read_hdf5
-from hysgen.record.formats.matlab_tables import read_tables
+from hysgen.record.formats.hdf5 import MAGIC, MATLAB_BLOCK, read_hdf5, read_tables
 
 
 def read_mat(path: Path) -> FileArrays:

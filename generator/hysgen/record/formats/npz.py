@@ -1,4 +1,7 @@
-"""NPZ: arrays by name. Pickled Python objects, which could run code, are refused without being opened."""
+"""NPZ: arrays by name. NPY: the fields of a structured array, or a matrix of columns as "array".
+
+Pickled Python objects, which could run code, are refused without being opened.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,14 @@ from hysgen.errors import RecordError
 from hysgen.record.formats.base import Array, FileArrays, Format, one_line
 from hysgen.record.formats.packed import parts_of
 
+NPY = b"\x93NUMPY"
+
 
 def read_npz(path: Path) -> FileArrays:
     """All arrays of an NPZ file by name. Raises RecordError for pickled objects and for other files."""
+    with path.open("rb") as stream:
+        if stream.read(len(NPY)) == NPY:
+            return _read_npy(path)
     if not zipfile.is_zipfile(path):
         raise RecordError(f"{path.name}: is not an NPZ file; write it with numpy.savez, or give it its own suffix")
     arrays: dict[str, Array] = {}
@@ -32,8 +40,24 @@ def read_npz(path: Path) -> FileArrays:
     return FileArrays(arrays)
 
 
+def _read_npy(path: Path) -> FileArrays:
+    try:
+        array = np.load(path, allow_pickle=False)
+    except (ValueError, OSError, EOFError) as fault:
+        raise RecordError(f"{path.name}: cannot be read ({fault}); save an array of plain numbers") from fault
+    if array.dtype.names:
+        return FileArrays({name: array[name] for name in array.dtype.names})
+    if array.ndim != 2:
+        raise RecordError(f"{path.name}: holds an array of shape {array.shape}; save a matrix of columns, or use NPZ")
+    return FileArrays({"array": array})
+
+
 def _is_npz(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".npz" or any(part.endswith(".npy") for part in parts_of(path, head))
+    return (
+        head.startswith(NPY)
+        or path.suffix.lower() == ".npz"
+        or any(part.endswith(".npy") for part in parts_of(path, head))
+    )
 
 
 FORMAT = Format("npz", _is_npz, read_npz)

@@ -12,8 +12,7 @@ from pathlib import Path
 
 from hysgen.errors import RecordError
 from hysgen.record.formats import unpacked
-from hysgen.record.formats.base import FileArrays, Format, Text
-from hysgen.record.formats.refused_kinds import check_parts
+from hysgen.record.formats.base import FileArrays, Format, Text, check_parts
 
 ZIP = b"PK\x03\x04"
 
