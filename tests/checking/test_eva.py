@@ -1,8 +1,7 @@
 """Frama-C Eva: the generated C never fails and never leaves its box, and without any of its guards that is not proved.
 
 Here for models of two rules, without and with every term and block, and with some of the guards taken out; `make prove`
-takes out all of them and proves every call of the models that ship, and `hysgen prove DIR --take-out` takes every guard
-out of any model.
+takes out all of them and proves every call of the models that ship.
 """
 
 from __future__ import annotations
@@ -15,17 +14,17 @@ from typing import Any
 
 import pytest
 
+from fixtures.guards import Guard, guards, without
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
+from hysgen.checking.host import Host
 from hysgen.checking.proof.eva import calls
 from hysgen.checking.proof.eva.calls import prove_call, prove_commit, prove_update, step
 from hysgen.checking.proof.eva.frama import Floats, analyse, check_contract
-from hysgen.checking.proof.eva.guards import GUARDS, Guard, guards, without
 from hysgen.checking.proof.eva.report import prove, proved
 from hysgen.checking.proof.eva.states import case_lines, splits
-from hysgen.checking.proof.sources import hooked
-from hysgen.codegen import Options, generate, marked_source
-from hysgen.codegen.hooks import HOOK
+from hysgen.checking.proof.sources import hook_names, hooked
+from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, ModelError
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -83,18 +82,18 @@ def test_the_inverse_behind_plays_that_relax_is_proved() -> None:
     assert verdict.held == verdict.checks >= expected > 20
 
 
-FAST = ("a voltage is limited", "the largest step of the inverse", "the lowest voltage", "the free run's own")
+FAST = ("voltage", "limits step", "limits low", "free run")
 """Guards that are taken out on every run of the suite, one of each function or more."""
 
 
 def by_guard() -> list[Any]:
     """The guards of the small model, those that take longer with the proofs."""
-    found = guards(model("small"), texts("small"))
-    assert sum(guard.about.startswith(FAST) for guard in found) == len(FAST)
-    return [pytest.param(guard, marks=() if guard.about.startswith(FAST) else pytest.mark.proof) for guard in found]
+    known = guards(model("small"), texts("small"))
+    assert known.keys() >= set(FAST)
+    return [pytest.param(guard, marks=() if name in FAST else pytest.mark.proof) for name, guard in known.items()]
 
 
-@pytest.mark.parametrize("guard", by_guard(), ids=lambda guard: guard.about)
+@pytest.mark.parametrize("guard", by_guard(), ids=lambda guard: guard.name)
 @pytest.mark.slow
 def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     need("frama-c")
@@ -103,18 +102,12 @@ def test_a_guard_that_is_taken_out_is_missed(guard: Guard) -> None:
     assert verdict.alarms
 
 
-@pytest.mark.parametrize(
-    "about",
-    [
-        "a shadow beyond its limits has to start again",
-        pytest.param("a displacement far outside", marks=pytest.mark.proof),
-    ],
-)
+@pytest.mark.parametrize("name", ["step", pytest.param("usable", marks=pytest.mark.proof)])
 @pytest.mark.slow
-def test_learn_without_a_guard_is_not_proved(about: str) -> None:
+def test_learn_without_a_guard_is_not_proved(name: str) -> None:
     need("frama-c")
-    guard = next(guard for guard in GUARDS if guard.about.startswith(about))
     learner, generated = gains()
+    guard = guards(learner, generated)[name]
     opened = without(guard, learner, generated)
     assert proved(learner, opened, guard.function, guard.inputs)[0].alarms
 
@@ -150,7 +143,7 @@ def test_the_contract_of_beyond_holds_for_every_float_and_another_does_not() -> 
     need("gcc")
     learner, generated = gains()
     assert not check_contract(learner.name, generated).alarms
-    open_limit = next(guard for guard in GUARDS if guard.function == "beyond")
+    open_limit = guards(learner, generated)["beyond"]
     assert check_contract(learner.name, without(open_limit, learner, generated)).alarms
 
 
@@ -162,35 +155,29 @@ def test_commit_is_proved_and_a_check_point_too_many_is_missed() -> None:
     verdict, expected = prove_commit(learner, generated)
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected
-    endless = next(guard for guard in GUARDS if guard.function == "commit")
+    endless = guards(learner, generated)["commit"]
     assert prove_commit(learner, without(endless, learner, generated))[0].alarms
 
 
+@pytest.mark.parametrize(("name", "alarm"), [("delay read", "index|< 4"), ("path", "y_um")])
 @pytest.mark.slow
 @pytest.mark.proof
-def test_a_ring_that_is_left_open_is_missed() -> None:
+def test_a_block_without_its_guard_is_not_proved(name: str, alarm: str) -> None:
     need("frama-c")
-    guard = next(guard for guard in GUARDS if guard.about == "the delay's ring is closed where it is read")
-    opened = without(guard, model("small_everything"), texts("small_everything"))
-    verdict, _ = prove_call(model("small_everything"), opened, guard.function, guard.inputs)
-    assert any("index" in alarm or "< 4" in alarm for alarm in verdict.alarms), verdict.alarms
+    whole, generated = model("small_everything"), texts("small_everything")
+    guard = guards(whole, generated)[name]
+    verdict, _ = prove_call(whole, without(guard, whole, generated), guard.function, guard.inputs)
+    assert any(re.search(alarm, line) for line in verdict.alarms), verdict.alarms
 
 
 @pytest.mark.slow
-@pytest.mark.proof
-def test_without_the_limits_of_w_the_path_is_not_proved() -> None:
-    need("frama-c")
-    guard = next(guard for guard in GUARDS if guard.name == "path")
-    opened = without(guard, model("small_everything"), texts("small_everything"))
-    verdict, _ = prove_call(model("small_everything"), opened, guard.function, guard.inputs)
-    assert any("y_um" in alarm for alarm in verdict.alarms), verdict.alarms
-
-
-@pytest.mark.slow
-def test_every_guard_stands_in_one_of_three_models() -> None:
-    names = ("appendix_a", "diagnosed", "everything")
-    found = {guard for name in names for guard in guards(model(name), texts(name))}
-    assert found == set(GUARDS)
+def test_without_a_guard_the_c_compiles_and_is_another() -> None:
+    need("gcc")
+    for name in ("appendix_a", "diagnosed", "everything"):
+        for guard in guards(model(name), texts(name)).values():
+            opened = without(guard, model(name), texts(name))
+            assert opened != texts(name)
+            Host(name, opened)
 
 
 def test_cases_leave_the_generated_text_as_it_is() -> None:
@@ -214,10 +201,7 @@ def test_the_proof_and_the_templates_name_the_same_hooks(monkeypatch: pytest.Mon
     calls.learn_step(learner, generated, "learn")
     calls.update_step(learner, generated)
     calls.commit_step(learner, generated)
-    named.update(f"guard: {guard.name}" for guard in guards(learner, generated))
-    named.update(("guard: inverse into blocks", "guard: contraction", "guard: contraction: end"))
-    marked = marked_source(learner, inverse=True).splitlines()
-    assert named == {line.removeprefix(HOOK) for line in marked if line.startswith(HOOK)}
+    assert named == {hook for hook in hook_names(learner, generated) if not hook.startswith("guard: ")}
 
 
 def test_a_hook_whose_lines_are_gone_is_an_error() -> None:
@@ -227,13 +211,6 @@ def test_a_hook_whose_lines_are_gone_is_an_error() -> None:
     lines = case_lines(splits(model("appendix_a"), 1048576.0))
     with pytest.raises(ModelError, match="hook `limited: below`"):
         hooked(model("appendix_a"), {**texts("appendix_a"), "appendix_a.c": altered}, lines)
-
-
-def test_a_guard_whose_line_is_gone_is_an_error() -> None:
-    guard = GUARDS[0]
-    opened = without(guard, model("appendix_a"), texts("appendix_a"))
-    with pytest.raises(ModelError, match="hook `guard: finite`"):
-        without(guard, model("appendix_a"), opened)
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 
 from fixtures.generated_models import hysteresis
+from fixtures.guards import unguarded_against_fusing
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.certify.certificates import certify
@@ -171,11 +171,9 @@ def test_guard_keeps_the_compiler_from_fusing_multiplication_and_addition(compil
     if " fma " not in Path("/proc/cpuinfo").read_text():
         pytest.skip("this processor has no fused operations: nothing to guard against")
     texts = generate(extended())
-    guard = re.search(r"#if defined\(__clang__\)\n#pragma STDC.*?#endif\n", texts["stage.c"], re.DOTALL)
-    assert guard
     level = f"-O3 -march=native -ffp-contract={contract}"
     settings = VerifySettings(SAMPLES, 0, compilers=[compiler], levels=[level])
-    bare = texts | {"stage.c": texts["stage.c"].replace(guard[0], "")}
+    bare = unguarded_against_fusing(texts, "stage")
     assert verify_texts(extended(), texts, settings).equal
     assert not verify_texts(extended(), bare, settings).equal
 

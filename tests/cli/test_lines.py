@@ -314,9 +314,9 @@ CALLS: Mapping[str, dict[str, Any]] = {
     "link port reference 2.5 --baud 9600 --key k": {"action": "reference", "value": "2.5", "baud": 9600, "key": "k"},
     "history d --limit 3 --plot p.png": {"limit": 3.0, "plot": "p.png"},
     "history d": {"limit": 5.0},
-    "prove d --samples 5 --calls a,b --take-out": {"samples": 5, "calls": "a,b", "take_out": True},
-    "prove d": {"samples": 100_000, "calls": "", "take_out": False},
-    "verify d": {"samples": None, "updates": None, "seed": 1, "target": None, "machine": None, "fused": False},
+    "prove d --samples 5 --calls a,b": {"samples": 5, "calls": "a,b"},
+    "prove d": {"samples": 100_000, "calls": ""},
+    "verify d": {"samples": None, "updates": None, "seed": 1, "target": None, "machine": None},
     "inspect a.csv --accept clipped --jitter 0.5 --split-at-gaps": {
         "accept": ["clipped"], "jitter": 0.5, "split_at_gaps": True,
     },
@@ -423,25 +423,6 @@ def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
         emulated.EmulationSettings(samples=6, platforms=[verify.PLATFORMS[0]], seed=8),  # type: ignore[arg-type]
     ]
     assert written == [({"equal": equal},)] * 6
-
-
-@pytest.mark.parametrize(
-    ("rows", "code"),
-    [([], 1), ([(True, 0, 0)], 0), ([(True, 1, 0)], 1), ([(True, 0, 1)], 1), ([(True, 0, 0), (False, 5, 5)], 0)],
-)
-def test_fused_arithmetic_may_change_bits_only_without_the_guard(
-    rows: list[tuple[bool, int, int]], code: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    results = [
-        SimpleNamespace(guarded=guarded, differing=differing, selftest=selftest, to_json=dict)
-        for guarded, differing, selftest in rows
-    ]
-    monkeypatch.setattr(emulated, "contraction", lambda *_, samples, **__: results if samples == 20_000 else [])
-    monkeypatch.setattr(emulated, "contraction_rows", lambda _: (["a"] * 4, []))
-    monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts"))
-    monkeypatch.setattr(Console, "write_json", lambda *_: None)
-    assert main(["verify", "d", "--target", "emulated", "--fused"]) == code
-    assert main(["verify", "d", "--target", "emulated", "--fused", "--samples", "9"]) == 1
 
 
 def test_an_image_carries_the_label_key_and_build_that_are_asked_for(

@@ -1,8 +1,8 @@
 """Named places in the templates where the proof inserts annotations or takes lines out.
 
 `{% hook "finite: bits" %}`, alone on its line, renders to nothing in generated C. In the text for the proof it renders
-to a line that holds HOOK and the name. A hook `guard: ...` stands before a line that the proof replaces; a second hook
-whose name ends in END stands behind the last line, where there are several.
+to a line that holds HOOK and the name. A hook `guard: NAME | CALL INPUTS | C` stands before a line without which the
+proof of CALL must fail, and holds the C in its place (tests/fixtures/guards.py).
 """
 
 from __future__ import annotations
@@ -15,9 +15,6 @@ from jinja2.parser import Parser
 
 HOOK: Final = "//hook "
 """Start of the line of a hook; the rest of the line is the name."""
-
-END: Final = ": end"
-"""End of the name of a hook behind the last of several lines."""
 
 
 class Hook(Extension):

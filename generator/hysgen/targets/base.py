@@ -20,13 +20,12 @@ Say = Callable[[str], None]
 @dataclass(frozen=True)
 class Extent:
     """What `verify --target` compares: samples of each function and updates of the learner, None for the target's own
-    numbers; seed of the inputs; machines to run on, () for all; fused: with multiplications fused with additions."""
+    numbers; seed of the inputs; machines to run on, () for all."""
 
     samples: int | None = None
     seed: int = 1
     updates: int | None = None
     machines: Sequence[str] = ()
-    fused: bool = False
 
 
 class Equality(Protocol):

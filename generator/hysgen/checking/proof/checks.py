@@ -64,14 +64,10 @@ class Answer(Protocol):
 
 @dataclass(frozen=True)
 class CheckSettings:
-    """samples: of the sanitizers, of each function. calls: functions that Eva proves, all if empty.
-
-    take_out: whether Eva also runs without each guard in turn, to see that its absence is found.
-    """
+    """samples: of the sanitizers, of each function. calls: functions that Eva proves, all if empty."""
 
     samples: int = 100_000
     calls: tuple[str, ...] = ()
-    take_out: bool = False
 
 
 @dataclass(frozen=True)
@@ -126,7 +122,7 @@ def _equal(model: Model, texts: Mapping[str, str], settings: CheckSettings, prog
 
 
 def _eva(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:
-    report = prove_by_eva(model, texts, calls=settings.calls, take_out=settings.take_out, progress=progress)
+    report = prove_by_eva(model, texts, calls=settings.calls, progress=progress)
     return Checked(report, report.holds)
 
 

@@ -29,8 +29,7 @@ class Platform:
     """A processor and the commands that compile and run C for it.
 
     emulator: empty for this machine. order: byte order in NumPy's notation. packages: of Debian. flags: needed to run a
-    program under the emulator and to evaluate float in float. fused: flags that enable the fused multiply-add, empty if
-    the compiler has it by default.
+    program under the emulator and to evaluate float in float.
     """
 
     name: str
@@ -39,7 +38,6 @@ class Platform:
     order: Literal["<", ">"]
     packages: tuple[str, ...]
     flags: tuple[str, ...] = ()
-    fused: tuple[str, ...] = ()
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -57,7 +55,7 @@ def _platform(name: str, triplet: str, emulator: str, order: Literal["<", ">"], 
 
 
 PLATFORMS: Final = (
-    replace(_platform("armhf", "arm-linux-gnueabihf", "arm", "<", "armhf"), fused=("-mfpu=neon-vfpv4",)),
+    _platform("armhf", "arm-linux-gnueabihf", "arm", "<", "armhf"),
     _platform("aarch64", "aarch64-linux-gnu", "aarch64", "<", "arm64"),
     _platform("riscv64", "riscv64-linux-gnu", "riscv64", "<", "riscv64"),
     _platform("powerpc", "powerpc-linux-gnu", "ppc", ">", "powerpc"),

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hysgen.codegen import marked_source
-from hysgen.codegen.hooks import END, HOOK
+from hysgen.codegen.hooks import HOOK
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.structs import interface_of
 from hysgen.errors import ModelError
@@ -57,27 +57,6 @@ def hooked(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[
         parts += [*source[start:end], *(f"{line}\n" for line in lines[name])]
         start = end
     return "".join([*parts, *source[start:]])
-
-
-def replaced(model: Model, texts: Mapping[str, str], hook: str, lines: Sequence[str]) -> dict[str, str]:
-    """`texts` with `lines` in place of the line behind every hook `hook`, or of those up to the hook `hook: end`.
-
-    The lines are indented as the first replaced line. Raises ModelError if the templates have no such hook, or if the
-    lines behind it have changed after the generation.
-    """
-    file = f"{model.name}.c"
-    source = texts[file].splitlines(keepends=True)
-    hooks = _hooks(model, texts)
-    begins = [place for place, name in hooks.places if name == hook]
-    ends = [place for place, name in hooks.places if name == hook + END] or [place + 1 for place in begins]
-    moved = _same_lines(hooks.lines, source)
-    if not begins or not all(row in moved for a, b in zip(begins, ends, strict=True) for row in range(a, b)):
-        raise ModelError(f"{model.name}: the lines behind the hook `{hook}` are not those of the templates")
-    for begin, end in sorted(zip(begins, ends, strict=True), reverse=True):
-        first = source[moved[begin]]
-        indent = first[: len(first) - len(first.lstrip())]
-        source[moved[begin] : moved[end - 1] + 1] = [f"{indent}{line}\n" for line in lines]
-    return {**texts, file: "".join(source)}
 
 
 def hook_names(model: Model, texts: Mapping[str, str]) -> list[str]:

@@ -77,20 +77,10 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="with --target emulated: this processor only (may be repeated)",
     )
-    parser.add_argument(
-        "--fused",
-        action="store_true",
-        help="with --target emulated: tell every compiler to fuse multiplications with additions, once with the guard "
-        "of the generated C and once without it, and say what becomes of the bits",
-    )
 
 
 def run_verify(arguments: argparse.Namespace, console: Console) -> int:
-    given = {
-        "updates": arguments.updates is not None,
-        "machines": bool(arguments.machine),
-        "fused": arguments.fused,
-    }
+    given = {"updates": arguments.updates is not None, "machines": bool(arguments.machine)}
     for option in (name for name, used in given.items() if used):
         if arguments.target is None or option not in arguments.target.verify_options:
             owners = [name for name in named("verify") if option in targets()[name].verify_options]
@@ -118,9 +108,7 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
 def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
     """Compare the bits of the C on the target with those here."""
     generated = read_folder(Path(arguments.folder))
-    extent = Extent(
-        arguments.samples, arguments.seed, arguments.updates, tuple(arguments.machine or ()), arguments.fused
-    )
+    extent = Extent(arguments.samples, arguments.seed, arguments.updates, tuple(arguments.machine or ()))
     report = arguments.target.verify(generated.model, generated.texts, extent, console.progress)
     console.say("\n".join(report.lines()))
     return console.finish(report.to_json(), report.equal)
@@ -135,9 +123,6 @@ def prove_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--calls", default="", metavar="CALLS", help="eva: functions to prove, with commas (default all)"
     )
-    parser.add_argument(
-        "--take-out", action="store_true", help="eva: also without each guard in turn, to see that it is missed"
-    )
 
 
 def run_prove(arguments: argparse.Namespace, console: Console) -> int:
@@ -146,7 +131,7 @@ def run_prove(arguments: argparse.Namespace, console: Console) -> int:
     for line in folder.altered:
         console.warn(line)
     calls = tuple(function for function in arguments.calls.split(",") if function)
-    settings = CheckSettings(arguments.samples, calls, arguments.take_out)
+    settings = CheckSettings(arguments.samples, calls)
     checks: dict[str, Checked] = {}
     for name in names:
         checks[name] = CHECKS[name](folder.model, folder.texts, settings, console.progress)

@@ -1,4 +1,4 @@
-"""The proofs of all calls of a model, and, if asked for, the analyses without each guard, which must raise alarms."""
+"""The proofs of all calls of a model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any, Final
 
 from hysgen.checking.proof.eva.calls import functions, prove_call, prove_commit, prove_learn, prove_update
 from hysgen.checking.proof.eva.frama import Floats, Verdict, check_contract, version
-from hysgen.checking.proof.eva.guards import guards, without
 from hysgen.codegen.structs import interface_of
 from hysgen.display import table
 from hysgen.errors import ModelError
@@ -48,27 +47,17 @@ class Proof:
 
 
 @dataclass(frozen=True)
-class TakenOut:
-    """A guard, the call analysed without it, and the number of alarms."""
-
-    about: str
-    function: str
-    alarms: int
-
-
-@dataclass(frozen=True)
 class Proofs:
-    """proofs: of the C as generated. taken_out: of the C without each guard, if asked for."""
+    """The proofs of the calls of a model by the version `tool` of Frama-C."""
 
     model: str
     tool: str
     proofs: tuple[Proof, ...]
-    taken_out: tuple[TakenOut, ...]
 
     @property
     def holds(self) -> bool:
-        """Whether every proof holds and every analysis without a guard has an alarm."""
-        return bool(self.proofs) and all(p.holds for p in self.proofs) and all(t.alarms for t in self.taken_out)
+        """Whether there are proofs and each holds."""
+        return bool(self.proofs) and all(p.holds for p in self.proofs)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -90,10 +79,6 @@ class Proofs:
             f"{held} of {checks} checks hold"
         ]
         text += [f"ALARM: {p.function}, {p.inputs} inputs: {alarm}" for p in self.proofs for alarm in p.alarms]
-        if self.taken_out:
-            taken = [[out.about, out.function, str(out.alarms)] for out in self.taken_out]
-            text += [table(["taken out: that ...", "call", "alarms"], taken, left=2)]
-            text += [f"NOT MISSED: that {out.about}" for out in self.taken_out if not out.alarms]
         return [*text, f"{self.model}: {'proved' if self.holds else 'NOT PROVED'}"]
 
 
@@ -102,12 +87,11 @@ def prove(
     texts: Mapping[str, str],
     *,
     calls: Sequence[str] = (),
-    take_out: bool = False,
     progress: Callable[[float, str], None] | None = None,
 ) -> Proofs:
     """Prove every call of a model's generated C, for every finite input and for any 32 bits.
 
-    calls: functions to prove instead of all. take_out: also without each of their guards in turn.
+    calls: functions to prove instead of all.
     Raises BuildError if Frama-C is not installed or fails, ModelError if the model holds what the proof does not know
     or has no such call.
     """
@@ -119,23 +103,14 @@ def prove(
             raise ModelError(f"{model.name}: no call {function} to prove; choose among {', '.join(known)}")
         both: tuple[Floats, ...] = ("finite", "any")
         tasks += [(function, inputs) for inputs in ([LEARNER[function]] if function in LEARNER else both)]
-    chosen = {function for function, _ in tasks}
-    outs = [guard for guard in guards(model, texts) if take_out and guard.function in chosen]
-    done, total = 0, len(tasks) + len(outs)
     proofs: list[Proof] = []
-    taken: list[TakenOut] = []
-    for function, inputs in tasks:
-        _tell(progress, done / total, f"proving {model.name}_{function}, {inputs} inputs")
+    for place, (function, inputs) in enumerate(tasks):
+        if progress is not None:
+            progress(place / len(tasks), f"proving {model.name}_{function}, {inputs} inputs")
         verdict, expected = proved(model, texts, function, inputs)
         held = verdict.held, verdict.checks, expected
         proofs.append(Proof(function, inputs, verdict.alarms, *held, verdict.seconds, verdict.operations))
-        done += 1
-    for guard in outs:
-        _tell(progress, done / total, f"without: that {guard.about}")
-        verdict, _ = proved(model, without(guard, model, texts), guard.function, guard.inputs)
-        taken.append(TakenOut(guard.about, guard.function, len(verdict.alarms)))
-        done += 1
-    return Proofs(model.name, tool, tuple(proofs), tuple(taken))
+    return Proofs(model.name, tool, tuple(proofs))
 
 
 def proved(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) -> tuple[Verdict, int]:
@@ -155,8 +130,3 @@ def learner_functions(model: Model, texts: Mapping[str, str]) -> tuple[str, ...]
     """The calls of LEARNER that the generated header has; empty without a learner."""
     known = interface_of(model.name, texts)
     return tuple(f for f in LEARNER if known.has("learn") and (f != "learn_aux" or known.has(f)))
-
-
-def _tell(progress: Callable[[float, str], None] | None, fraction: float, what: str) -> None:
-    if progress is not None:
-        progress(fraction, what)
