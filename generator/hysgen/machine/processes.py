@@ -15,8 +15,6 @@ import json
 import multiprocessing
 import os
 import pickle
-import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -25,8 +23,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import Any, TypeVar
 
 from hysgen.errors import HysgenError
 from hysgen.machine.threads import THREAD, has_room, one_blas_thread
@@ -42,9 +41,8 @@ KEPT = 2
 
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from hysgen.machine.processes import serve_standard_streams; serve_standard_streams()"
+    "from hysgen.machine.processes import serve_as_program; serve_as_program()"
 )
-_TASK, _ITEM = b"t", b"i"
 _pool: ContextVar[_Pool | None] = ContextVar("_pool", default=None)
 
 
@@ -196,124 +194,103 @@ class _Pool:
             self._closed = True
             self._changed.notify_all()
         for helper in self._helpers:
-            helper.end()
+            helper.kill()
         for thread in self._threads:
             thread.join()
         for helper in self._helpers:
-            helper.close()
+            helper.wait()
+            helper.pipe.close()
 
 
 @dataclass(frozen=True, eq=False)
 class _Helper:
-    """Another interpreter, which runs `serve`, and the pipes to and from it."""
+    """Another interpreter, which runs `serve`, and the pipe to it."""
 
-    to: IO[bytes]
-    back: IO[bytes]
+    pipe: Connection
     kill: Callable[[], object]
     wait: Callable[[], object]
 
     def ready(self) -> bool:
         """Whether the helper has started."""
-        return _received(self.back) is not None
+        return self._received() is not None
 
     def answer(self, message: bytes | None, index: int) -> bytes | None:
         """The pickled result of an item, empty if it failed; None if the helper has ended. message: a new task."""
-        try:
-            if message is not None:
-                _send(self.to, _TASK + message)
-            _send(self.to, _ITEM + struct.pack("<Q", index))
-            return _received(self.back)
-        except OSError:
-            return None
-
-    def end(self) -> None:
-        """End the process, whatever it computes."""
         with contextlib.suppress(OSError):
-            self.kill()
+            if message is not None:
+                self.pipe.send_bytes(message)
+            self.pipe.send(index)
+            return self._received()
+        return None
 
-    def close(self) -> None:
-        """Release what is left of an ended process."""
-        self.wait()
-        for pipe in (self.to, self.back):
-            with contextlib.suppress(OSError):
-                pipe.close()
+    def _received(self) -> bytes | None:
+        with contextlib.suppress(OSError, EOFError):
+            return self.pipe.recv_bytes()
+        return None
 
 
 def _helper(module: str) -> _Helper:
     """A helper: a fork where this process has one thread, which starts at once with all modules.
 
-    A fork of several threads may find a lock taken for ever: there, the helper is a new interpreter.
+    A fork of several threads may find a lock taken for ever: there, the helper is a new interpreter. Both are away from
+    the terminal, so that an interrupt from the keyboard reaches the calling process alone.
     """
-    return _forked() if _threads() == 1 else _started(module)
+    here, away = multiprocessing.Pipe()
+    kill: Callable[[], object]
+    wait: Callable[[], object]
+    if _threads() == 1:
+        forked = multiprocessing.get_context("fork").Process(target=_serve_forked, args=(away, here), daemon=True)
+        forked.start()
+        kill, wait = forked.kill, forked.join
+    else:
+        alone = dict.fromkeys(("HYSGEN_PROCESSES", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        started = subprocess.Popen(
+            [sys.executable, "-c", _START, json.dumps(sys.path), module, str(away.fileno())],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, **alone},
+            pass_fds=[away.fileno()],
+            process_group=0,
+        )
+        kill, wait = started.kill, started.wait
+    away.close()
+    return _Helper(here, kill, wait)
 
 
-def _forked() -> _Helper:
-    (of_child, to_child), (of_parent, to_parent) = os.pipe(), os.pipe()
-    child = os.fork()
-    if not child:
-        try:
-            os.setpgid(0, 0)
-            os.close(to_child)
-            os.close(of_parent)
-            with os.fdopen(of_child, "rb") as source, os.fdopen(to_parent, "wb") as sink:
-                serve(source, sink)
-        finally:
-            # Neither the handlers of the calling program nor its unwritten output belong to the helper.
-            os._exit(0)
-    os.close(of_child)
-    os.close(to_parent)
-    kill = functools.partial(os.kill, child, signal.SIGKILL)
-    return _Helper(os.fdopen(to_child, "wb"), os.fdopen(of_parent, "rb"), kill, functools.partial(os.waitpid, child, 0))
+def _serve_forked(pipe: Connection, of_parent: Connection) -> None:
+    os.setpgid(0, 0)
+    of_parent.close()
+    serve(pipe)
 
 
-def _started(module: str) -> _Helper:
-    # Away from the terminal, so that an interrupt from the keyboard reaches the calling process alone.
-    apart: dict[str, Any] = (
-        {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-        if sys.platform == "win32"
-        else {"process_group": 0}
-    )
-    alone = dict.fromkeys(("HYSGEN_PROCESSES", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    process = subprocess.Popen(
-        [sys.executable, "-c", _START, json.dumps(sys.path), module],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        env={**os.environ, **alone},
-        **apart,
-    )
-    assert process.stdin is not None
-    assert process.stdout is not None
-    return _Helper(process.stdin, process.stdout, process.kill, process.wait)
-
-
-def serve_standard_streams() -> None:
-    """`serve` between the standard input and output."""
+def serve_as_program() -> None:
+    """`serve` in a new interpreter, whose arguments are a module to import and the number of its end of the pipe."""
     importlib.import_module(sys.argv[2])
-    with os.fdopen(os.dup(0), "rb") as source, os.fdopen(os.dup(1), "wb") as sink:
-        serve(source, sink)
+    serve(Connection(int(sys.argv[3])))
 
 
-def serve(source: IO[bytes], sink: IO[bytes]) -> None:
-    """A helper: compute the items that come from `source` until it ends."""
-    # What the computation prints must not stand between the results, nor on the terminal.
+def serve(pipe: Connection) -> None:
+    """A helper: compute the items that come through the pipe until it ends."""
+    # What the computation prints must not stand on the terminal.
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
-    kept: deque[tuple[Callable[[Any], Any], Sequence[Any]]] = deque(maxlen=KEPT)
+    tasks: deque[tuple[Callable[[Any], Any], Sequence[Any]]] = deque(maxlen=KEPT)
     _pool.set(None)
-    with one_blas_thread():
-        _send(sink, b"ready")
-        while message := _received(source):
-            if message[:1] == _TASK:
-                kept.append(pickle.loads(message[1:]))
+    with one_blas_thread(), contextlib.suppress(EOFError, OSError):
+        pipe.send_bytes(b"ready")
+        while True:
+            message = pipe.recv()
+            if not isinstance(message, int):
+                tasks.append(message)
                 continue
-            function, items = kept[-1]
+            function, items = tasks[-1]
             try:
-                answer = pickle.dumps(function(items[struct.unpack("<Q", message[1:])[0]]), pickle.HIGHEST_PROTOCOL)
+                answer = pickle.dumps(function(items[message]), pickle.HIGHEST_PROTOCOL)
             except Exception:
                 answer = b""
-            _send(sink, answer)
+            pipe.send_bytes(answer)
 
 
 def _threads() -> int:
@@ -322,22 +299,6 @@ def _threads() -> int:
         return len(os.listdir("/proc/self/task"))
     except OSError:
         return 0
-
-
-def _send(pipe: IO[bytes], message: bytes) -> None:
-    pipe.write(struct.pack("<Q", len(message)))
-    pipe.write(message)
-    pipe.flush()
-
-
-def _received(pipe: IO[bytes]) -> bytes | None:
-    """The next message; None at the end of the pipe."""
-    head = pipe.read(8)
-    if len(head) < 8:
-        return None
-    size = struct.unpack("<Q", head)[0]
-    message = pipe.read(size)
-    return message if len(message) == size else None
 
 
 @functools.lru_cache(maxsize=1)

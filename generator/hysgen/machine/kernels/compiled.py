@@ -31,15 +31,21 @@ def kernel(file: str, declarations: str, *headers: str) -> Library:
     return build(sources, declarations, Toolchain(default_toolchain().command, OPTIMISATION))
 
 
-def doubles(library: Library, array: NDArray[np.float64]) -> Any:
-    """A `double *` into `array`, C-contiguous float64. No copy is made, because the kernel may write to it."""
-    if array.dtype != np.float64 or not array.flags.c_contiguous:
-        raise ValueError("a kernel takes C-contiguous float64 arrays")
-    return library.ffi.from_buffer("double *", array)
+POINTERS = {np.dtype(np.float64): "double *", np.dtype(np.int64): "int64_t *", np.dtype(np.uintp): "size_t *"}
+"""Pointers that a kernel takes, by the type of the array."""
 
 
-def integers(library: Library, array: NDArray[np.int64]) -> Any:
-    """An `int64_t *` into `array`, C-contiguous."""
-    if array.dtype != np.int64 or not array.flags.c_contiguous:
-        raise ValueError("a kernel takes C-contiguous int64 arrays")
-    return library.ffi.from_buffer("int64_t *", array)
+def call(library: Library, function: str, *arguments: Any) -> Any:
+    """Call a function of a kernel. An array is passed as a pointer into it, without a copy: the kernel may write to it.
+
+    Raises ValueError for an array that is not C-contiguous, or of another type than in POINTERS.
+    """
+    return getattr(library.lib, function)(
+        *(_pointer(library, value) if isinstance(value, np.ndarray) else value for value in arguments)
+    )
+
+
+def _pointer(library: Library, array: NDArray[Any]) -> Any:
+    if array.dtype not in POINTERS or not array.flags.c_contiguous:
+        raise ValueError("a kernel takes C-contiguous arrays of float64, int64 or size_t")
+    return library.ffi.from_buffer(POINTERS[array.dtype], array)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import doubles, kernel
+from hysgen.machine.kernels.compiled import call, kernel
 
 Floats = NDArray[np.float64]
 
@@ -27,16 +27,7 @@ void hysgen_innovations(size_t rows, size_t samples, const double *keep, const d
 def rls_updates(regressors: Floats, target: Floats, forgetting: float, q: Floats, P: Floats) -> None:
     """One update by Eq. (10) per row. regressors: (n, p); target: (n,); q (p,), P (p, p): updated in place."""
     library = kernel("rls.c", _RLS)
-    library.lib.hysgen_rls(
-        target.size,
-        q.size,
-        doubles(library, regressors),
-        doubles(library, target),
-        forgetting,
-        doubles(library, q),
-        doubles(library, P),
-        doubles(library, np.empty(2 * q.size)),
-    )
+    call(library, "hysgen_rls", target.size, q.size, regressors, target, forgetting, q, P, np.empty(2 * q.size))
 
 
 def triangularise(factor: Floats, rows: Floats) -> None:
@@ -47,9 +38,7 @@ def triangularise(factor: Floats, rows: Floats) -> None:
     """
     library = kernel("triangular.c", _TRIANGULAR)
     size = len(factor)
-    library.lib.hysgen_triangular(
-        len(rows), size, doubles(library, factor), doubles(library, rows), doubles(library, np.empty(size))
-    )
+    call(library, "hysgen_triangular", len(rows), size, factor, rows, np.empty(size))
 
 
 def innovation_gains(keep: Floats, observed: Floats, misfit: float, noise: float) -> tuple[Floats, Floats]:
@@ -61,8 +50,7 @@ def innovation_gains(keep: Floats, observed: Floats, misfit: float, noise: float
     """
     library = kernel("innovation.c", _INNOVATION)
     gain, variance = np.empty(keep.size), np.empty(keep.size)
-    arrays = [doubles(library, x) for x in (keep, observed)]
-    library.lib.hysgen_gains(keep.size, *arrays, misfit, noise, doubles(library, gain), doubles(library, variance))
+    call(library, "hysgen_gains", keep.size, keep, observed, misfit, noise, gain, variance)
     return gain, variance
 
 
@@ -71,5 +59,5 @@ def innovations(signals: Floats, keep: Floats, gain: Floats, variance: Floats) -
     library = kernel("innovation.c", _INNOVATION)
     out = np.array(signals, dtype=np.float64, order="C")
     weight = 1.0 / np.sqrt(variance)
-    library.lib.hysgen_innovations(*out.shape, *(doubles(library, x) for x in (keep, gain, weight, out)))
+    call(library, "hysgen_innovations", *out.shape, keep, gain, weight, out)
     return out

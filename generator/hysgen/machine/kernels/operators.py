@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import doubles, kernel
+from hysgen.machine.kernels.compiled import call, kernel
 from hysgen.machine.native import Library
 
 Floats = NDArray[np.float64]
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 _STATES = """
 void hysgen_play(size_t samples, size_t plays, const double *u, const double *half_width, double *state, double *out);
 void hysgen_lags(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
-void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const long long *rows,
+void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const int64_t *rows,
                         double *out);
 void hysgen_lag_sums(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
 void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q, double *state, double *out);
@@ -30,7 +30,7 @@ void hysgen_respond(size_t columns, size_t samples, const double *h, size_t stat
 void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double creep,
                          const double *decay, const double *intake, size_t branches, const double *share,
                          const size_t *order, const double *numerator, const double *denominator, long delay,
-                         size_t count, const long long *rows, size_t row, size_t sample, double *out);
+                         size_t count, const int64_t *rows, size_t row, size_t sample, double *out);
 """
 MOST_STATES, MOST_BRANCHES, MOST_ORDER = 64, 8, 4
 
@@ -43,14 +43,7 @@ def play_operators(u_V: Floats, half_width_V: Floats, initial_V: Floats) -> Floa
     library = kernel("states.c", _STATES)
     out = np.empty((u_V.size, half_width_V.size))
     state = np.array(initial_V, dtype=np.float64)
-    library.lib.hysgen_play(
-        u_V.size,
-        half_width_V.size,
-        doubles(library, u_V),
-        doubles(library, half_width_V),
-        doubles(library, state),
-        doubles(library, out),
-    )
+    call(library, "hysgen_play", u_V.size, half_width_V.size, u_V, half_width_V, state, out)
     return out
 
 
@@ -62,7 +55,7 @@ def lag_states(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
     library = kernel("states.c", _STATES)
     u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
     out = np.empty((u.size, q.size))
-    library.lib.hysgen_lags(u.size, q.size, *(doubles(library, x) for x in (u, q, s, out)))
+    call(library, "hysgen_lags", u.size, q.size, u, q, s, out)
     return out
 
 
@@ -75,10 +68,9 @@ def lag_of_signals(signals: Floats, rate: float, rows: NDArray[np.intp]) -> Floa
     if len(rows) and not (rows[0] >= 0 and rows[-1] < signals.shape[1] and bool((np.diff(rows) > 0).all())):
         raise ValueError("the rows must rise within the samples of the signals")
     library = kernel("states.c", _STATES)
-    u, chosen = np.ascontiguousarray(signals, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.longlong)
+    u, chosen = np.ascontiguousarray(signals, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.int64)
     out = np.empty((len(u), len(chosen)))
-    at = library.ffi.from_buffer("long long *", chosen)
-    library.lib.hysgen_lag_signals(*u.shape, doubles(library, u), rate, len(chosen), at, doubles(library, out))
+    call(library, "hysgen_lag_signals", *u.shape, u, rate, len(chosen), chosen, out)
     return out
 
 
@@ -87,7 +79,7 @@ def lag_sums(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
     library = kernel("states.c", _STATES)
     u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
     out = np.empty(u.size)
-    library.lib.hysgen_lag_sums(u.size, q.size, *(doubles(library, x) for x in (u, q, s, out)))
+    call(library, "hysgen_lag_sums", u.size, q.size, u, q, s, out)
     return out
 
 
@@ -101,7 +93,7 @@ def mode_states(u_V: Floats, steps: NDArray[np.complex128], start: Floats) -> Fl
     pairs = np.ascontiguousarray(steps, dtype=np.complex128).view(np.float64)
     u, c = np.ascontiguousarray(u_V, dtype=np.float64), np.array(start, dtype=np.float64)
     out = np.empty((u.size, pairs.size))
-    library.lib.hysgen_modes(u.size, pairs.size // 2, *(doubles(library, x) for x in (u, pairs, c, out)))
+    call(library, "hysgen_modes", u.size, pairs.size // 2, u, pairs, c, out)
     return out
 
 
@@ -113,7 +105,7 @@ def slew_limited(u_V: Floats, rise_V: float, fall_V: float, start_V: float) -> F
     library = kernel("states.c", _STATES)
     u = np.ascontiguousarray(u_V, dtype=np.float64)
     out = np.empty(u.size)
-    library.lib.hysgen_slew(u.size, doubles(library, u), rise_V, fall_V, start_V, doubles(library, out))
+    call(library, "hysgen_slew", u.size, u, rise_V, fall_V, start_V, out)
     return out
 
 
@@ -163,7 +155,7 @@ def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) 
         raise ValueError("the result needs a row for each row of h, and room for its samples")
     library = kernel("response.c", _RESPONSE)
     with_h = _response_arguments(library, h, linear)
-    library.lib.hysgen_respond(*with_h, out.shape[1], doubles(library, out) + first)
+    call(library, "hysgen_respond", *with_h, out.shape[1], library.ffi.from_buffer("double *", out) + first)
 
 
 def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64]) -> Floats:
@@ -177,8 +169,8 @@ def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64])
     out = np.empty((len(rows), columns))
     library = kernel("response.c", _RESPONSE)
     with_h = _response_arguments(library, h, linear)
-    chosen = library.ffi.from_buffer("long long *", np.ascontiguousarray(rows, dtype=np.longlong))
-    library.lib.hysgen_respond_rows(*with_h, len(rows), chosen, 1, columns, doubles(library, out))
+    chosen = np.ascontiguousarray(rows, dtype=np.int64)
+    call(library, "hysgen_respond_rows", *with_h, len(rows), chosen, 1, columns, out)
     return out.T
 
 
@@ -192,16 +184,16 @@ def _response_arguments(library: Library, h: Floats, linear: LinearPart) -> tupl
         coefficients[1, j, : orders[j] + 1] = branch.denominator
     return (
         *h.shape,
-        doubles(library, np.ascontiguousarray(h)),
+        np.ascontiguousarray(h),
         len(linear.decay),
         linear.creep,
-        doubles(library, np.ascontiguousarray(linear.decay)),
-        doubles(library, 1.0 - linear.decay),
+        np.ascontiguousarray(linear.decay),
+        1.0 - linear.decay,
         len(branches),
-        doubles(library, np.array([branch.share for branch in branches])),
-        library.ffi.from_buffer("size_t *", orders),
-        doubles(library, coefficients[0]),
-        doubles(library, coefficients[1]),
+        np.array([branch.share for branch in branches]),
+        orders,
+        coefficients[0],
+        coefficients[1],
         linear.delay,
     )
 
@@ -250,18 +242,20 @@ def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis
         raise ValueError("at most 64 plays, and 128 hats times powers")
     if out.shape != (curve + degree * hats, v.size):
         raise ValueError("the result needs a row for each polynomial, and for each power of each hat")
-    library.lib.hysgen_preisach(
+    call(
+        library,
+        "hysgen_preisach",
         v.size,
-        doubles(library, np.ascontiguousarray(v)),
+        np.ascontiguousarray(v),
         plays,
-        doubles(library, np.ascontiguousarray(basis.half_width)),
+        np.ascontiguousarray(basis.half_width),
         basis.relaxation,
-        doubles(library, np.array(start, dtype=np.float64)),
+        np.array(start, dtype=np.float64),
         hats,
-        doubles(library, np.ascontiguousarray(basis.hat)),
+        np.ascontiguousarray(basis.hat),
         curve,
         degree,
-        doubles(library, out),
+        out,
     )
 
 
@@ -276,18 +270,20 @@ def preisach_path(v: Floats, start: Floats, basis: PreisachBasis, weights: Float
     library = kernel("preisach.c", _PREISACH)
     of_plays = basis.hat @ weights[basis.curve :].reshape(basis.degree, hats).T
     out = np.empty(v.size)
-    library.lib.hysgen_preisach_path(
+    call(
+        library,
+        "hysgen_preisach_path",
         v.size,
-        doubles(library, np.ascontiguousarray(v)),
+        np.ascontiguousarray(v),
         plays,
-        doubles(library, np.ascontiguousarray(basis.half_width)),
+        np.ascontiguousarray(basis.half_width),
         basis.relaxation,
-        doubles(library, np.array(start, dtype=np.float64)),
+        np.array(start, dtype=np.float64),
         basis.curve,
-        doubles(library, np.ascontiguousarray(weights[: basis.curve])),
+        np.ascontiguousarray(weights[: basis.curve]),
         basis.degree,
-        doubles(library, np.ascontiguousarray(of_plays)),
-        doubles(library, out),
+        np.ascontiguousarray(of_plays),
+        out,
     )
     return out
 
@@ -301,13 +297,7 @@ def duhem_columns(out: Floats, v: Floats, reach: Floats) -> None:
     library = kernel("preisach.c", _PREISACH)
     if out.shape != (2 * reach.size, v.size):
         raise ValueError("the result needs two rows for each reach")
-    library.lib.hysgen_duhem(
-        v.size,
-        doubles(library, np.ascontiguousarray(v)),
-        reach.size,
-        doubles(library, np.ascontiguousarray(reach)),
-        doubles(library, out),
-    )
+    call(library, "hysgen_duhem", v.size, np.ascontiguousarray(v), reach.size, np.ascontiguousarray(reach), out)
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,21 +325,23 @@ def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple
     after, out = np.array(state, dtype=np.float64), np.empty(v.size)
     arrays = (series.curve, series.half_width, series.plays, series.reach, series.duhem)
     curve, half_width, plays, reach, duhem = (np.ascontiguousarray(x, dtype=np.float64) for x in arrays)
-    library.lib.hysgen_hysteresis(
+    call(
+        library,
+        "hysgen_hysteresis",
         v.size,
-        doubles(library, np.ascontiguousarray(v, dtype=np.float64)),
+        np.ascontiguousarray(v, dtype=np.float64),
         curve.size,
-        doubles(library, curve),
+        curve,
         half_width.size,
         plays.shape[1] if plays.ndim == 2 else 0,
-        doubles(library, half_width),
+        half_width,
         series.relaxation,
-        doubles(library, plays),
+        plays,
         reach.size,
-        doubles(library, reach),
-        doubles(library, duhem),
-        doubles(library, after),
-        doubles(library, out),
+        reach,
+        duhem,
+        after,
+        out,
     )
     return out, after
 
@@ -361,5 +353,5 @@ def rate_limited(u_V: Floats, step_V: float) -> Floats:
     """
     library = kernel("preisach.c", _PREISACH)
     out = np.empty(u_V.size)
-    library.lib.hysgen_rate_limit(u_V.size, doubles(library, np.ascontiguousarray(u_V)), step_V, doubles(library, out))
+    call(library, "hysgen_rate_limit", u_V.size, np.ascontiguousarray(u_V), step_V, out)
     return out

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import doubles, integers, kernel
+from hysgen.machine.kernels.compiled import call, kernel
 from hysgen.machine.native import Library
 
 Floats = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Rules:
         return (
             len(self.consequents),
             library.ffi.new("double[4]", list(self.range_um)),
-            doubles(library, np.ascontiguousarray(self.consequents)),
+            np.ascontiguousarray(self.consequents),
         )
 
 
@@ -57,8 +57,7 @@ def free_run(rules: Rules, u_V: Floats, w_um: Floats, y0_um: float) -> tuple[Flo
     """y(0) = y0, y(k+1) = f(y(k), u(k)) + w(k). u, w: (n,). Returns y (n,) and the number of clamped samples."""
     library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
-    u, w = doubles(library, u_V), doubles(library, w_um)
-    clamped = library.lib.hysgen_free_run(*rules.arguments(library), u_V.size, u, w, y0_um, doubles(library, out))
+    clamped = call(library, "hysgen_free_run", *rules.arguments(library), u_V.size, u_V, w_um, y0_um, out)
     return out, int(clamped)
 
 
@@ -66,8 +65,7 @@ def one_step(rules: Rules, u_V: Floats, w_um: Floats, measured_um: Floats) -> tu
     """out(0) = y(0), out(k+1) = f(y(k), u(k)) + w(k) measured y: (n,). Returns out and the number of clamped y."""
     library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
-    u, w, y = doubles(library, u_V), doubles(library, w_um), doubles(library, measured_um)
-    clamped = library.lib.hysgen_one_step(*rules.arguments(library), u_V.size, u, w, y, doubles(library, out))
+    clamped = call(library, "hysgen_one_step", *rules.arguments(library), u_V.size, u_V, w_um, measured_um, out)
     return out, int(clamped)
 
 
@@ -88,19 +86,21 @@ def horizon_errors(rules: Rules, inputs: HorizonInputs, stride: int, horizons: I
     """
     library = kernel("run.c", _RUN, "rules.h")
     square, largest, starts = np.zeros(horizons.size), np.zeros(horizons.size), np.zeros(1, dtype=np.int64)
-    library.lib.hysgen_horizon(
+    call(
+        library,
+        "hysgen_horizon",
         *rules.arguments(library),
         inputs.u_V.size,
-        doubles(library, inputs.u_V),
-        doubles(library, inputs.w_um),
-        doubles(library, inputs.held_um),
-        doubles(library, inputs.measured_um),
+        inputs.u_V,
+        inputs.w_um,
+        inputs.held_um,
+        inputs.measured_um,
         stride,
         horizons.size,
-        integers(library, horizons),
-        doubles(library, square),
-        doubles(library, largest),
-        integers(library, starts),
+        horizons,
+        square,
+        largest,
+        starts,
     )
     return square, largest, int(starts[0])
 
@@ -108,14 +108,16 @@ def horizon_errors(rules: Rules, inputs: HorizonInputs, stride: int, horizons: I
 def rule_rows(range_um: tuple[float, float, float, float], rules: int, y_um: Floats, u_V: Floats, out: Floats) -> None:
     """Write [p_1 y, p_1 u, p_1, p_2 y, ...] for every sample into the first 3 L columns of `out`, (n, >= 3 L)."""
     library = kernel("run.c", _RUN, "rules.h")
-    library.lib.hysgen_regressors(
+    call(
+        library,
+        "hysgen_regressors",
         rules,
         library.ffi.new("double[4]", list(range_um)),
         u_V.size,
-        doubles(library, u_V),
-        doubles(library, y_um),
+        u_V,
+        y_um,
         out.shape[1],
-        doubles(library, out),
+        out,
     )
 
 
@@ -160,19 +162,21 @@ def free_run_sums(
     library = kernel("sensitivity.c", _SENSITIVITY, "rules.h")
     size = rules.consequents.size + extra.shape[1]
     hessian, gradient, sums = np.zeros((size, size)), np.zeros(size), np.zeros(2)
-    clamped = library.lib.hysgen_sensitivity(
+    clamped = call(
+        library,
+        "hysgen_sensitivity",
         *rules.arguments(library),
         u_V.size,
-        doubles(library, u_V),
-        doubles(library, w_um),
+        u_V,
+        w_um,
         extra.shape[1],
-        doubles(library, extra),
-        doubles(library, measured_um),
-        doubles(library, trust),
-        doubles(library, np.empty(size)),
-        doubles(library, hessian),
-        doubles(library, gradient),
-        doubles(library, sums),
+        extra,
+        measured_um,
+        trust,
+        np.empty(size),
+        hessian,
+        gradient,
+        sums,
     )
     full = np.triu(hessian) + np.triu(hessian, 1).T
     return FreeRunSums(full, gradient, float(sums[0]), float(sums[1]), int(clamped))
