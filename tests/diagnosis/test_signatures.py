@@ -11,14 +11,17 @@ from numpy.typing import NDArray
 from fixtures.linear_stage import (
     AGING,
     AXIS2_V,
+    CLIPPED,
     COUPLED,
     CREEP,
     DRIFTING,
     HUMMING,
     KNOCKED,
     LAG,
+    LATE,
     PLANTED,
     SAMPLES,
+    SLOW_AMPLIFIER,
     SPAN_S,
     T_S,
     TS_S,
@@ -27,8 +30,19 @@ from fixtures.linear_stage import (
     scene,
 )
 from hysgen.diagnosis.causes import Residual, causes
-from hysgen.diagnosis.causes.creep import crept_step
-from hysgen.diagnosis.probe import linear_fit, refine
+from hysgen.diagnosis.causes.aging import GainChange
+from hysgen.diagnosis.causes.creep import CreepPart, creep_block, crept_step
+from hysgen.diagnosis.causes.drift import DriftPart, Trend, trend_course
+from hysgen.diagnosis.causes.periodic import PeriodicPart
+from hysgen.diagnosis.causes.resonance import ResonancePart
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
 
 Floats = NDArray[np.float64]
 
@@ -63,3 +77,56 @@ def test_a_proposed_line_has_at_least_three_periods_in_each_quarter(periods: flo
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
     chains = causes()["periodic"].proposals(Residual(seen, refine(seen, LAG)))
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed
+
+
+RINGS = LAG.having(ResonancePart((Mode(90.0, 0.05, 0.3), Mode(40.0, 0.03, -0.2))))
+HUMS = LAG.having(PeriodicPart((120.0, 50.0)))
+HUMS_UM = 0.010 * np.sin(100.0 * np.pi * T_S) + 0.004 * np.cos(240.0 * np.pi * T_S)
+AGED_UM, COUPLED_UM = PLANTED["aging"][1], PLANTED["coupling"][1]
+TRUE: list[tuple[str, Chain, Floats | float, dict[str, float], Extension]] = [
+    ("delay", LATE, 0.0, {"delay_samples": 1.7}, Extension(block=Delay(1.7), lag_s=4e-3)),
+    ("slew", SLOW_AMPLIFIER, 0.0, {"rate_V_per_s": 800.0}, Extension(block=Slew(800.0, 800.0), lag_s=4e-3)),
+    ("saturation", CLIPPED, 0.0, {"high_V": 80.0}, Extension(block=Saturation(-100.0, 80.0), lag_s=4e-3)),
+    ("resonance", RINGS, 0.0, {"f_Hz": 90.0, "zeta": 0.05, "share": 0.3, "f_2_Hz": 40.0, "zeta_2": 0.03,
+     "share_2": -0.2}, Extension(block=Modes((40.0, 90.0), (0.03, 0.05), (-0.2, 0.3), 4e-3), lag_s=4e-3)),
+    ("creep", CREEP, 0.0, {"per_decade": 0.02}, Extension(block=creep_block(CreepPart(0.02, 0.05), 4.0), lag_s=4e-3)),
+    ("periodic", HUMS, HUMS_UM, {"f_Hz": 120.0, "amplitude_um": 0.004, "f_2_Hz": 50.0, "amplitude_2_um": 0.01},
+     Extension(term=Periodic((50.0, 120.0)))),
+    ("coupling", COUPLED, COUPLED_UM, {"axis2_V_um_per_unit": 0.001},
+     Extension(term=Coupling(("axis2_V",), (AXIS2_V.min(),), (AXIS2_V.max(),)))),
+    ("aging", AGING, AGED_UM, {"per_s": 0.003, "fraction": 0.003 * SPAN_S},
+     Extension(correction=GainChange(0.003, 0.0, T_S[-1]), forgetting_s=0.35 * SPAN_S)),
+    ("drift", DRIFTING, 0.05 * T_S / SPAN_S, {"ramp_um_per_s": 0.05 / SPAN_S}, Extension(correction=Trend(0.0125))),
+    ("drift", LAG.having(DriftPart(0.2)), 0.03 * trend_course(T_S, 0.2), {"um_per_decade": 0.03, "since_s": 0.2},
+     Extension(correction=Trend(0.03, 0.2))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "chain", "more_um", "values", "extension"), TRUE, ids=[case[0] for case in TRUE])
+def test_a_fit_of_the_true_chain_says_and_extends_what_was_planted(
+    name: str, chain: Chain, more_um: Floats | float, values: dict[str, float], extension: Extension
+) -> None:
+    """Values within five standard errors, z that of the least certain amount, numbers of the extension within 1 %."""
+    seen = scene(LAG if name == "aging" else chain, more_um, {"axis2_V": AXIS2_V})
+    residual = Residual(seen, linear_fit(seen, chain))
+    found = causes()[name].signature(residual, linear_fit(seen, LAG))
+    for key, value in values.items():
+        estimate = found.parameters[key]
+        assert abs(estimate.value - value) <= 5.0 * np.nan_to_num(estimate.standard_error) + 1e-12, key
+    if name not in ("saturation", "periodic"):  # whose evidence is a slope, and the height above the background
+        sizes = [abs(e.value) / e.standard_error for key, e in found.parameters.items() if key[:2] not in ("f_", "ze")]
+        assert found.z == pytest.approx(np.nanmin(sizes))
+    made = causes()[name].extension(residual)
+    assert (type(made.block), type(made.term)) == (type(extension.block), type(extension.term))
+    for part in ("block", "term", "correction", "lag_s", "forgetting_s"):
+        wanted, got = getattr(extension, part), getattr(made, part)
+        assert numbers(got) == pytest.approx(numbers(wanted), rel=0.01, abs=1e-4), part
+    assert trend_course(np.array([0.0, 4.5, 49.5]), 0.5) == pytest.approx([0.0, 1.0, 2.0]), "by the decade"
+
+
+def numbers(part: object) -> list[float]:
+    """Every number in a part of an extension, in the order of its fields."""
+    if isinstance(part, int | float):
+        return [float(part)]
+    inside = part if isinstance(part, tuple) else vars(part).values() if hasattr(part, "__dict__") else ()
+    return [number for inner in inside for number in numbers(inner)]
