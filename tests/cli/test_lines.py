@@ -48,26 +48,6 @@ class Terminal(io.StringIO):
 # Folding
 
 
-def test_a_table_is_narrowed_to_the_last_column_and_no_further() -> None:
-    rows = [
-        ["creep", "the longest rest is 0 s and more words", "1.5"],
-        ["memory", "swings of one amplitude only", "12"],
-    ]
-    text = table(["cause", "because of what it takes to show", "um"], rows, left=2)
-    width = max(map(len, text.split("\n")))
-    assert folded(text, width) == text
-    for narrow in range(width - 1, width - 25, -1):
-        lines = folded(f"{text}\n\nbelow", narrow).split("\n")
-        assert len(lines[-3 - 1]) <= narrow
-        ruler = next(line for line in lines if set(line) <= {"-", " "} and "-" in line)
-        assert len(ruler) == narrow, "no column is narrower than it must be"
-        assert max(map(len, lines)) <= narrow
-        assert lines[-2:] == ["", "below"]
-        first = next(line for line in lines if line.startswith("creep"))
-        assert first.endswith(" 1.5"), "numbers stay at the right"
-        assert " ".join(" ".join(lines).split()).count("swings") == 1
-
-
 def test_a_column_is_not_narrowed_below_ten_and_a_table_ends_with_its_rows() -> None:
     text = table(["a", "b"], [["x" * 4 + " " + "y" * 10, "z" * 9 + " zz"]], left=2)
     assert len(text.split("\n")[1]) == 15 + 2 + 12

@@ -18,8 +18,7 @@ from hypothesis import strategies as st
 from hysgen.cli import main
 from hysgen.cli.console import Console, ProgressLine, folded
 from hysgen.cli.main import options_of, parser, script
-from hysgen.cli.options import parse_rows
-from hysgen.cli.verbs import NAMES, verb
+from hysgen.cli.verbs import NAMES
 from hysgen.display import table
 from hysgen.errors import RecordError
 from hysgen.record import load_record
@@ -76,15 +75,6 @@ def test_a_record_comes_from_stdin() -> None:
     assert "1000 samples at 50 kHz" in done.stdout
 
 
-def test_rows_are_counted_in_samples_or_seconds_and_from_the_end() -> None:
-    assert parse_rows("5000:", 7100, 1e-3) == (5000, 7100)
-    assert parse_rows("0.5s:2500ms", 7100, 1e-3) == (500, 2500)
-    assert parse_rows("-100:", 7100, 1e-3) == (7000, 7100)
-    for none in ("0:9s", "5:5", "x:5", "0:7101", "5"):
-        with pytest.raises(RecordError, match=r"write FIRST:LAST, as 0:5000 or 0s:0.1s"):
-            parse_rows(none, 7100, 1e-3)
-
-
 def test_completion_knows_every_verb_and_option() -> None:
     options = options_of(parser())
     assert tuple(options) == NAMES
@@ -93,21 +83,6 @@ def test_completion_knows_every_verb_and_option() -> None:
         assert all(name in text for name in NAMES)
     bash = subprocess.run(["bash", "-n"], input=script("bash", options), capture_output=True, text=True, check=False)
     assert bash.returncode == 0, bash.stderr
-
-
-def test_every_everyday_verb_shows_examples_that_parse() -> None:
-    for name in ("inspect", "diagnose", "fit", "score", "describe", "generate", "cost", "refit", "demo"):
-        assert verb(name).examples, name
-
-
-def test_sentences_are_folded_to_the_terminal_and_tables_are_not(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    row = "free run    0.00321  0.01169      0.315      0.091 and more"
-    assert folded(row, 30) == row
-    monkeypatch.setenv("COLUMNS", "60")
-    Console().say("word " * 40)
-    assert max(map(len, capsys.readouterr().out.splitlines())) <= 60
 
 
 def test_options_out_of_range_are_said_before_the_computation(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -142,18 +117,6 @@ def test_a_result_that_breaks_its_schema_is_found() -> None:
     """The fixture of conftest.py holds every result of every verb to its schema; here one breaks it."""
     with pytest.raises(jsonschema.ValidationError, match="'record' is a required property"):
         Console(verb="score").finish({"model": "x"})
-
-
-def test_progress_says_seconds_and_quiet_says_nothing() -> None:
-    err = io.StringIO()
-    line = ProgressLine(err, verbose=True, started=time.monotonic() - 30.0)
-    line.show(0.5, "fitting")
-    assert "50.0 %  fitting  (30 s, about 30 s left)" in err.getvalue()
-    line.stop()
-    silent = io.StringIO()
-    Console(err=silent, quiet=True).progress(0.5, "fitting")
-    Console(err=silent, quiet=True).warn("x")
-    assert silent.getvalue() == ""
 
 
 def test_the_time_left_does_not_rise_within_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -239,25 +202,3 @@ def test_a_table_of_text_is_folded_to_the_width_and_keeps_every_word(rows: list[
     )
     if max(map(len, text.splitlines())) <= width:
         assert lines == text.splitlines()
-
-
-def test_a_terminal_sees_progress_twice_a_second_and_a_file_every_two(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
-    monkeypatch.setattr(ProgressLine, "_repeat", lambda self: None)
-    for stream, expected in ((Terminal(), 6), (io.StringIO(), 2)):
-        now = 100.0
-        monkeypatch.setattr("hysgen.cli.console.time.monotonic", lambda: now)  # noqa: B023
-        line = ProgressLine(stream, started=100.0)
-        for step in range(12):
-            now = 100.0 + 0.3 * step
-            line.show(0.01 * step, "searching")
-        line.stop()
-        assert stream.getvalue().count("searching") == expected
-
-
-def test_json_keeps_the_letters_of_a_name(tmp_path: Path) -> None:
-    Console(verb="schema", json_to=str(tmp_path / "x.json")).finish({"schemas": ["µ"]})
-    assert "µ" in (tmp_path / "x.json").read_text(encoding="utf-8")

@@ -13,7 +13,6 @@ from hysgen.cli import main
 from hysgen.cli.console import Console
 from hysgen.cli.main import parser
 from hysgen_lab.verbs import LABORATORY, studies
-from hysgen_lab.verbs.track import tracking_table
 
 CALLS = {
     "track --seconds 0.5": {"seconds": 0.5},
@@ -92,20 +91,3 @@ def test_the_banks_code_is_its_limits_or_that_of_an_interrupt(
 
 def studies_limit(holds: bool | None) -> Any:
     return SimpleNamespace(holds=holds)
-
-
-def test_the_table_of_tracking_has_a_row_for_each_task_with_its_units() -> None:
-    result: Any = SimpleNamespace(
-        f_Hz=50.0,
-        controller="inverse",
-        rms_nm=1.234,
-        mean_nm=0.5,
-        spread_nm=2.0,
-        last_nm=3.0,
-        voltage_V=(1.0, 2.25),
-        commits=4,
-    )
-    text = tracking_table([result], 0.777)
-    assert text.split("\n")[2].split("  ")[0] == "50 Hz, inverse"
-    assert text.split("\n")[2].split()[3:] == ["1.23", "+0.50", "2.00", "3.00", "1.0", "..", "2.2", "4"]
-    assert "sensor: 0.78 nm rms" in text

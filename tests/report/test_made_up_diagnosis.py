@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import platform
 import re
-import struct
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 from matplotlib.ticker import ScalarFormatter
 
 from fixtures.random_models import random_model
@@ -44,10 +41,8 @@ from hysgen.report.model import ScoredModels, folder_page, model_page
 from hysgen.report.page import (
     TERMS,
     PageSection,
-    PageTable,
     cost_section,
     equivalence_section,
-    glossary_section,
     model_section,
     provenance_section,
     uncertainty_section,
@@ -57,7 +52,6 @@ from hysgen.report.plots.diagnosis import (
     BAR,
     horizon_picture,
     ladder_picture,
-    pictures,
     shares_picture,
     spectrum_picture,
 )
@@ -350,11 +344,6 @@ def test_uncertainty_section_has_the_budget_and_the_removed_errors() -> None:
     assert len(uncertainty_section(found).tables) == 1
 
 
-def test_glossary_has_every_word_with_its_meaning() -> None:
-    assert cells(glossary_section()) == [list(term) for term in TERMS]
-    assert list(glossary_section().tables[0].header) == ["word", "meaning"]
-
-
 def test_provenance_lists_facts_settings_and_versions() -> None:
     made = dataclasses.replace(model(), history={"fit": {"rules": 2, "terms": ["x"], "blocks": [], "method": "batch"}})
     rows = cells(provenance_section(made, [("record", "a.csv")]))
@@ -619,40 +608,6 @@ def test_shares_are_stacked_over_the_time_of_the_record() -> None:
     assert "not explained 16 %, paper's model 84 %" in shares_picture(halved).alt
 
 
-@pytest.mark.slow
-def test_all_pictures_of_a_study_stand_in_reading_order_and_in_one_style() -> None:
-    drawn = pictures(BOTH)
-    names = [picture.name for picture in drawn]
-    assert names == [
-        "record", "record-loops", "record-spectrum", "free-run", "zoom", "loops-1", "loops-2", "gain", "phase", "time",
-        "horizon", "autocorrelation", "cross-correlation", "spectrum", "error-by-level", "error-by-direction",
-        "error-by-frequency", "error-by-time-in-the-record", "error-by-time-since-the-last-turning-point", "shares",
-        "ladder",
-    ]  # fmt: skip
-    assert len(pictures(study())) == len(names) - 2  # no loops-2, no shares
-    np.testing.assert_allclose(lines_of(drawn[3].figure)[LABEL].get_ydata(), Y_UM[CUT:] + 0.1)
-    for picture in drawn:
-        width, height = picture.figure.get_size_inches()
-        assert (4.0 < width < 10.0, 2.0 < height < 5.0, picture.wide) == (True, True, width > 9.0), picture.name
-        for axis in picture.figure.axes:
-            grid = axis.xaxis.get_gridlines()[0]
-            assert grid.get_visible(), picture.name
-            assert axis.get_axisbelow() is True
-            assert grid.get_linewidth() < 0.7
-            assert not any(axis.spines[side].get_visible() for side in ("top", "right"))
-            assert all(0.5 < line.get_linewidth() < 2.5 for line in axis.lines if line.get_linewidth() != BAR)
-            assert all(7.0 <= text.get_fontsize() <= 9.5 for text in [*axis.texts, *axis.get_xticklabels()])
-            notes = [text for text in axis.texts if isinstance(text, Annotation)]
-            assert all((text.get_annotation_clip(), text.xyann[1]) == (False, 2) for text in notes)
-            legend = axis.get_legend()
-            if legend is not None:
-                assert not legend.get_frame_on()
-                assert all(8.0 <= text.get_fontsize() <= 9.0 for text in legend.get_texts())
-    png = style.png_bytes(drawn[-1].figure)
-    assert struct.unpack(">I", png[16:20])[0] == 1440  # 9.6 in at 150 dots an inch
-    assert b"2026" not in style.svg_bytes(drawn[-1].figure)[:900]
-
-
 @pytest.mark.parametrize(("swing_px", "points"), [(0.2, range(100)), (3.0, range(190, 210))])
 def test_curves_of_a_page_lose_only_what_nobody_sees(swing_px: float, points: range) -> None:
     fig = style.figure(2.0, 2.0)
@@ -663,18 +618,6 @@ def test_curves_of_a_page_lose_only_what_nobody_sees(swing_px: float, points: ra
     path = re.search(rb'id="curve">\s*<path d="([^"]*)"', style.svg_bytes(fig))
     assert path is not None
     assert path.group(1).count(b"L") in points
-
-
-def test_legend_stands_above_its_axes_and_inside_the_picture() -> None:
-    fig, axis = style.axes("x", "y")
-    for name in ("the paper's model", "extended model", "measured"):
-        axis.plot([0, 1], label=name)
-    style.legend_above(axis)
-    fig.canvas.draw()
-    box, frame = axis.get_legend().get_window_extent(), axis.get_window_extent()
-    assert 0.0 <= box.y0 - frame.y1 < 12.0
-    assert box.x0 - frame.x0 < 12.0
-    assert box.x1 < fig.bbox.x1
 
 
 @pytest.mark.slow
@@ -720,9 +663,3 @@ def test_results_are_drawn_with_their_own_numbers(tmp_path: Any) -> None:
         draw(1)
     for name, head in (("a.svg", b"<?xml"), ("a.png", b"\x89PNG")):
         assert draw(record).save(tmp_path / name).read_bytes().startswith(head)
-
-
-def test_tables_and_decimals_of_a_page() -> None:
-    made = PageTable(["a", "b"], [["x, y", "1"]])
-    assert made.csv_uri == "data:text/csv;base64,YSxiCiJ4LCB5IiwxCg=="
-    assert json.dumps(error_map(0.5).to_json()["by"][1]["rms_um"]) == "[0.5, null, 0.2]"

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from hysgen.record import Record
 from hysgen.report.page import PageSection, PageTable
-from hysgen.report.plots import style
 from hysgen.report.plots.results import changes
 from hysgen.report.plots.simulated import (
     Simulated,
@@ -188,17 +187,6 @@ def test_validation_and_tracking_draw_errors_in_their_units() -> None:
     np.testing.assert_array_equal(figure.axes[2].lines[0].get_xdata(), Y_UM)
 
 
-def test_other_figures_fit_a_page() -> None:
-    record, runs, colours = Record.from_arrays(U_V, Y_UM, TS_S), shown().runs, {"a": "red", "b": "blue"}
-    drawn = [validation(record, runs, "", colours), loops(record, runs, "", colours),
-             tracking(T_S, Y_UM, runs, "", colours), time_picture(shown()).figure]  # fmt: skip
-    assert [tuple(figure.get_size_inches()) for figure in drawn] == [
-        pytest.approx(size) for size in ((7.2, 6.0), (7.4, 3.4), (9.6, 3.4), (4.7, 3.1))
-    ]
-    heights = [axis.get_position().height for axis in drawn[0].axes]
-    assert heights[0] == pytest.approx(2 * heights[1])
-
-
 def test_history_is_drawn_in_percent_of_its_first_model() -> None:
     trends = (Trend("gain", "um/V", (-2.0, -2.1, -1.9)), Trend("bias", "um", (0.0, 1.0, 1.0)))
     picture = changes(History(("1.json", "2.json", "3.json"), trends, 4.0))
@@ -207,17 +195,6 @@ def test_history_is_drawn_in_percent_of_its_first_model() -> None:
     assert picture.alt == "Largest change 5 % over 3 models."
     assert [text.get_text() for text in picture.figure.legends[0].get_texts()] == ["gain"]
     assert [tick.get_text() for tick in picture.figure.axes[0].get_xticklabels()] == ["1.json", "2.json", "3.json"]
-
-
-def test_legends_stand_in_one_line_where_they_fit() -> None:
-    for letters, columns in ((12, 3), (13, 2)):  # 3 (12 + 6) = 54 letters fit into 56, 57 do not
-        axis = style.figure().subplots()
-        for number in range(3):
-            axis.plot([0, 1], label=f"{number}" * letters)
-        style.legend_above(axis)
-        assert axis.get_legend()._ncols == columns
-    assert [style.plain_number(x) for x in (9.9e-6, 1e-5, 1e-4)] == ["9.9e-06", "0.00001", "0.0001"]
-    assert style.three_digits(0.12345) == "0.123"
 
 
 def test_tables_of_a_page_know_their_numbers_and_sections_their_anchor() -> None:

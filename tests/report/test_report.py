@@ -22,7 +22,7 @@ from fixtures.tools import need
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.diagnosis.evaluation import LADDER, Study
-from hysgen.display import decimal, table
+from hysgen.display import table
 from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
@@ -228,21 +228,6 @@ def test_uncertainty_of_a_diagnosis_is_a_section_of_its_report(hum: Study) -> No
     assert {name for name, _ in found.removed} == {cause.name for cause in hum.extended}
 
 
-def test_terminal_shows_ladder_evidence_and_where_the_error_is(hum: Study) -> None:
-    text = diagnosis_text(hum)
-    for word in (
-        "+ memory",
-        "+ periodic",
-        "noise floor",
-        "amplitude of the swing",
-        "time in the record",
-        "contraction",
-        "slope of the hysteresis",
-    ):
-        assert word in text
-    assert max(len(line) for line in text.split("\n\n")[2].splitlines()) < 120
-
-
 def test_verb_writes_page_pictures_and_json_and_the_same_study_gives_the_same_bytes(
     hum: Study, page: str, written: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -286,19 +271,6 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
     assert "Equal in every bit" in read(pages["folder"]).text
 
 
-def test_the_noise_floor_of_a_page_is_explained_if_the_one_step_error_of_any_model_is_below_it() -> None:
-    record = small_record()
-    models = {name: fit(record, FitSettings(rules=rules, method="batch")) for name, rules in (("two", 2), ("four", 4))}
-    scores = {name: score(model, record) for name, model in models.items()}
-    errors = [one.one_step.e_rms_um for one in scores.values()]
-    assert errors[0] > errors[1]
-    for level, explained in ((0.5 * errors[1], False), (0.5 * sum(errors), True)):
-        floor = dataclasses.replace(scores["two"].noise, rms_um=level)
-        shown = {name: dataclasses.replace(one, noise=floor) for name, one in scores.items()}
-        text = read(model_page("", ScoredModels(record, models, shown)).html()).text
-        assert ("one-step errors are below it" in text) == explained
-
-
 def test_each_error_in_time_fills_an_axis_of_its_own(hum: Study) -> None:
     assert hum.improved
     for axis in time_picture(held_out_runs(hum)).figure.axes:
@@ -326,15 +298,6 @@ def test_logs_that_are_not_aligned_are_said_before_the_causes(hum: Study) -> Non
     first, *_ = verdict(dataclasses.replace(hum, record=shifted))
     assert "the logs are not aligned, and what follows describes their shift." in first
     assert "aligned" not in "".join(verdict(hum))
-
-
-@pytest.mark.parametrize(
-    ("value", "digits", "text"),
-    [(13824.0, 2, "14000"), (1.63e-5, 2, "0.000016"), (0.25, 4, "0.25"), (3e-9, 2, "3e-09")],
-)
-def test_numbers_for_people_have_no_exponent_where_they_are_short(value: float, digits: int, text: str) -> None:
-    assert decimal(value, digits) == text
-    assert decimal(-value, digits) == f"-{text}"
 
 
 def test_sentences_of_a_page_begin_with_a_capital_and_names_do_not() -> None:

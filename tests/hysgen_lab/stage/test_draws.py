@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import Any, cast
 
@@ -12,18 +11,15 @@ import pytest
 from fixtures.ends import Ends
 from hysgen_lab.stage import Stage, effects
 from hysgen_lab.stage.effects import Setting, StageError
-from hysgen_lab.stage.effects.base import Period, Tolerance
-from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Preisach, Relays, draw_curve, draw_hysteresis
-from hysgen_lab.stage.families import FAMILIES, commands
-from hysgen_lab.stage.families.base import around, scattered
+from hysgen_lab.stage.effects.base import Tolerance
+from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Preisach, Relays
+from hysgen_lab.stage.families import FAMILIES
+from hysgen_lab.stage.families.base import around
 from hysgen_lab.stage.families.bouc_wen import RisingBoucWen
 from hysgen_lab.stage.families.jiles_atherton import JilesAtherton
-from hysgen_lab.stage.families.plants import DRAWN, IDENTIFY, _Setting, plant
-from hysgen_lab.stage.families.random_relays import RandomRelays
 from hysgen_lab.stage.families.thermal import ThermalHysterons
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
-MIDDLE = cast(Any, Ends(0.5))
 
 # Twenty samples of rest, then strokes of 1, 2, .. 100 V up and down: -50 .. 50 V, at most 1e5 V/s.
 COMMAND = np.cumsum([*[0.0] * 21, *(n * (-1.0) ** (n + 1) for n in range(1, 101))])
@@ -72,12 +68,6 @@ def test_an_effect_is_drawn_between_its_ends(name: str) -> None:
     for rng, wanted in ((LOW, lower), (HIGH, lower | upper)):
         drawn = effects()[name].draw(rng, SETTING)
         assert fields(drawn, wanted) == close(wanted)
-
-
-def test_a_saturation_may_clip_above_alone() -> None:
-    # 14.5 % of 100 V inside the lower end.
-    wanted = {"low_V": -35.5, "high_V": 160.0}
-    assert fields(effects()["saturation"].draw(MIDDLE, SETTING), wanted) == close(wanted)
 
 
 def test_numbers_of_effects_never_change_and_order_them() -> None:
@@ -163,13 +153,6 @@ def test_a_family_is_drawn_between_its_ends(name: str) -> None:
         assert fields(drawn, wanted) == close(wanted)
 
 
-def test_a_mesh_has_a_heavy_tail_and_one_to_three_other_groups() -> None:
-    few, many = (FAMILIES["preisach"].drawn(rng, 10.0, 110.0, 1e-3).groups for rng in (LOW, HIGH))  # type: ignore[attr-defined]
-    assert few[0] == pytest.approx((0.4 / (15.0 * 5.0), 30.0, 15.0, -0.6, 5.0, 0.0))
-    assert many[-1] == pytest.approx((1.0 / (50.0 * 25.0), 90.0, 50.0, 0.6, 25.0, 0.8))
-    assert ([group[5] for group in few], [group[5] for group in many]) == ([0.0, 0.3], [0.0, 0.8, 0.8, 0.8])
-
-
 def test_hysterons_have_the_medians_and_spreads_of_their_docstring() -> None:
     made = ThermalHysterons(10.0, 110.0, height_um=2.0, coercive_V=20.0, coercive_spread=0.3, barrier=60.0,
                             barrier_spread=0.2, bias_shape=(1.0, 1.0))  # fmt: skip
@@ -202,69 +185,6 @@ def test_a_bouc_wen_rises_by_its_slope_less_its_rate_after_a_turn() -> None:
     assert (form.scalars["slope_um_per_V"], form.scalars["grid_n"]) == (0.0, 2)
     bare = around(made)
     assert (bare.dac_low_V, bare.dac_high_V, bare.history_V, bare.zero_V) == (-100.0, 200.0, (0.0, 100.0, 0.0), 0.0)
-
-
-def test_scattered_points_fill_the_cube_more_evenly_than_chance() -> None:
-    points = scattered(np.random.default_rng(1), 4096, 2)
-    counts = np.histogram2d(*points.T, bins=16, range=[[0, 1], [0, 1]])[0]
-    # Of chance 16 a cell with a spread of 4.
-    assert counts.mean() == 16.0
-    assert counts.std() < 3.0
-    plain = scattered(cast(Any, Ends(0.5)), 3, 1)
-    golden = (1 + math.sqrt(5)) / 2
-    assert plain[:, 0] == pytest.approx([(0.5 + k / golden) % 1.0 for k in range(3)])
-
-
-def test_effects_of_a_plant_are_drawn_between_their_ends() -> None:
-    setting = _Setting(1e-3, (0.0, 100.0), stroke_um=10.0, lag_s=2e-3)
-    record_s = IDENTIFY * 1e-3
-    wanted: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
-        "creep": (
-            {"per_decade": 0.005, "tau_min_s": 0.01, "tau_max_s": math.sqrt(10) * record_s},
-            {"per_decade": 0.03, "tau_min_s": math.sqrt(0.1), "tau_max_s": 10**2.5 * record_s},
-        ),
-        "resonance": ({"f_Hz": 50.0, "zeta": 0.01, "share": 0.1}, {"f_Hz": 100.0, "zeta": 0.1, "share": 0.7}),
-        "delay": ({"samples": 0.3}, {"samples": 6.7}),
-        "saturation": ({"low_V": -60.0, "high_V": 95.0}, {"low_V": 20.0, "high_V": 80.0}),
-        "periodic": (
-            {"f_Hz": 200 / record_s, "amplitude_um": 0.01, "phase_rad": 0.0},
-            {"f_Hz": 100.0, "amplitude_um": 0.1, "phase_rad": 2 * math.pi},
-        ),
-    }
-    assert set(DRAWN) == set(wanted)
-    for name, ends in wanted.items():
-        for rng, end in zip((LOW, HIGH), ends, strict=True):
-            assert fields(DRAWN[name](rng, setting), end) == close(end), name
-
-
-def test_a_plant_is_drawn_between_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    for place, rate_Hz, range_V, stroke_um, noise, lag in (
-        (0.0, 500.0, (-18.0, 70.0), 3.0, 1e-4, 2.0),
-        (1.0, 50e3, (10.0, 118.0), 50.0, 1 / 3000, 30.0),
-    ):
-        monkeypatch.setattr(np.random, "default_rng", lambda _, place=place: Ends(place))
-        made = plant("bouc-wen", "creep", 0)
-        assert (made.Ts_s, made.range_V, made.stroke_um) == (1 / rate_Hz, range_V, pytest.approx(stroke_um))
-        assert made.noise_um == pytest.approx(noise * stroke_um)
-        assert made.stage.lag_s == pytest.approx(lag / rate_Hz)
-        assert (made.stage.history_V, made.stage.zero_V) == ((*range_V, range_V[0]), range_V[0])
-        assert (made.stage.dac_low_V, made.stage.dac_high_V) == (-60.0, 160.0)
-        assert (made.stage.dac_bits, made.stage.adc_bits, made.stage.sensor_step_um) == (0, 0, 0.0)
-        assert made.effects == ("memory", "creep")
-
-
-def test_hysteresis_of_the_bank_is_drawn_between_its_ends() -> None:
-    low, high = Density(25.0, 45.0, 5.0, 65.0), Density(60.0, 75.0, 35.0, 65.0)
-    for kind, made in ((0.549, Preisach(low, 0.25)), (0.55, Relays(low, 0.25, count=400))):
-        assert draw_hysteresis(LOW, 10.0, kind) == made
-    assert draw_hysteresis(HIGH, 10.0, 0.749) == Relays(high, 0.5, count=400)
-    assert draw_hysteresis(LOW, 10.0, 0.75) == BoucWen(0.4, 10.0, 0.5)
-    assert draw_hysteresis(HIGH, 100.0, 0.75) == BoucWen(9.0, 23.0, 0.8)
-    for rng, bend in ((LOW, 0.0), (HIGH, 1.5)):
-        curve = draw_curve(rng, 10.0)
-        v = (curve.low_V + curve.step_V * np.arange(201)) / 120.0
-        np.testing.assert_allclose(curve.w_um, 10.0 * v + bend * v * (1 - v), atol=1e-12)
-        assert (v[0], v[-1]) == (-0.5, 1.5)
 
 
 LIMITS: dict[str, tuple[list[tuple[Any, ...]], list[tuple[Any, ...]]]] = {
@@ -312,115 +232,6 @@ def test_parts_of_a_stage_are_accepted_up_to_their_limits(kind: Any, accepted: l
     for values in refused:
         with pytest.raises(StageError):
             kind(*values)
-
-
-@pytest.mark.parametrize(
-    ("made", "text"),
-    [
-        (Preisach(), "density=Density(decay_V=40.0, on_V=60.0, off_V=20.0, width_V=65.0), irreversible=0.38"),
-        (BoucWen(), "loop_um=0.75, reach_V=18.0, balance=0.6, exponent=1.0"),
-        (
-            RisingBoucWen(0, 1),
-            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, reach_V=20.0, balance=0.6, exponent=1.5",
-        ),
-        (
-            JilesAtherton(0, 1),
-            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, centre_V=50.0, shape_V=25.0, pinning_V=20.0, "
-            "coupling_V=5.0, reversible=0.2",
-        ),
-        (
-            RandomRelays(0, 1),
-            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, bias_shape=(1.5, 1.5), coercive_V=10.0, "
-            "coercive_shape=1.2, pinched=0.0, seed=0",
-        ),
-        (
-            ThermalHysterons(0, 1),
-            "low_V=0, high_V=1, slope_um_per_V=0.0, height_um=1.0, bias_shape=(1.5, 1.5), coercive_V=30.0, "
-            "coercive_spread=0.5, barrier=70.0, barrier_spread=0.4, attempt_per_s=1000000000.0, hold_s=0.001, "
-            "substep_s=0.001, seed=0",
-        ),
-        (Stage.laboratory().others[0], "f_Hz=10000.0, order=1, zeta=0.7"),
-    ],
-)
-def test_parts_that_are_not_stated_are_those_of_the_documented_stage(made: object, text: str) -> None:
-    assert repr(made) == f"{type(made).__name__}({text})"
-
-
-def test_no_number_of_an_effect_may_be_missing() -> None:
-    for name in LIMITS:
-        if name != "coupling":
-            drawn = effects()[name](*LIMITS[name][0][0])  # type: ignore[call-arg]
-            for field in dataclasses.fields(cast(Any, drawn)):
-                with pytest.raises(StageError):
-                    dataclasses.replace(cast(Any, drawn), **{field.name: math.nan})
-
-
-def test_constants_of_effects_are_those_of_the_plants_equations() -> None:
-    period = Period(1e-3, np.array([2e-4, 8e-4]), 5e-3)
-    keep = effects()["noise"].constants([], period)["flicker_keep"]
-    np.testing.assert_allclose(cast(Any, keep), np.exp(-2e-3 * math.pi * 10.0 ** np.arange(-3, 5)))
-    still = effects()["noise"].constants([], period)
-    assert (still["white_um"], still["flicker_um"]) == (0.0, 0.0)
-    late_s = {name: effects()[name].draw(LOW, SETTING).late_s(1e-3) for name in DRAWS}
-    assert {name: late for name, late in late_s.items() if late} == {"delay": 0.5e-3}
-    scalars = BoucWen(2.0, 20.0, 0.6, 1.5).form(10.0, 100.0).scalars
-    assert [scalars[name] for name in ("bw_a", "bw_beta", "bw_gamma", "bw_n", "slope_um_per_V", "grid_n")] == (
-        pytest.approx([0.1, 0.06 / 2.0**1.5, 0.04 / 2.0**1.5, 1.5, 0.14, 2])
-    )
-    line = effects()["periodic"](40.0, 0.2, 0.1)  # type: ignore[call-arg]
-    found = cast(Any, effects()["periodic"].constants([line, line], period))
-    assert found["lines"] == 2
-    assert [list(found[name]) for name in ("line_Hz", "line_um", "line_rad")] == [[40.0] * 2, [0.2] * 2, [0.1] * 2]
-    for name, wanted in (
-        ("aging", {"age_fraction": 0.0, "age_s": 1.0}), ("drift", {"drift_um_per_s": 0.0, "walk_um_per_rt_s": 0.0}),
-        ("outliers", {"outlier_rate": 0.0, "outlier_um": 0.0}), ("slew", {}), ("stick_slip", {}), ("creep", {}),
-        ("saturation", {"clip_low_V": -math.inf, "clip_high_V": math.inf}),
-    ):  # fmt: skip
-        assert effects()[name].constants([], period) == wanted
-    with pytest.raises(StageError, match="no closed form"):
-        effects()["creep"](0.1, 1.0, 2.0, 0.1).moved(np.ones(1))  # type: ignore[call-arg, attr-defined]
-
-
-def test_a_mesh_holds_the_integral_of_its_density() -> None:
-    made = FAMILIES["preisach"](0.0, 100.0, height_um=2.0, groups=((0.3, 40.0, 20.0, 0.2, 10.0, 0.5),))  # type: ignore[call-arg]
-    scalars, arrays = made.equation()
-    assert scalars == {"grid_low_V": -20.0, "grid_step_V": pytest.approx(0.25), "grid_n": 561}
-    at_V = -20.0 + 140.0 * (np.arange(700) + 0.5) / 700
-    alpha_V, beta_V = np.meshgrid(at_V, at_V, indexing="ij")
-    c, h = (alpha_V + beta_V) / 2, np.abs(alpha_V - beta_V) / 2
-    s = np.maximum(h / 10.0, 1e-9)
-    mu = 0.3 * np.exp(-((c - 40.0 - 0.2 * h) ** 2) / (2 * 20.0**2)) * np.exp(-(np.log(s) ** 2) / (2 * 0.5**2)) / s
-    assert arrays["corner"].shape == (561, 561)
-    # Sums of 700 and 1120 points along an axis differ by 0.1 %.
-    assert arrays["corner"][-1, -1] == pytest.approx(2.0 * mu.sum() * 0.2**2, rel=2e-3)
-    assert arrays["corner"][280, 280] == pytest.approx(2.0 * mu[:350, :350].sum() * 0.2**2, rel=2e-3)
-    # Relays that a rise over the whole range switches on: those below the diagonal.
-    assert arrays["diagonal"][0] == 0.0
-    assert arrays["diagonal"][-1] == pytest.approx(arrays["corner"][-1, -1] / 2, rel=1e-3)
-
-
-def test_sections_of_commands_are_those_of_their_docstrings() -> None:
-    fast, slow = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))  # 40 and 4000 samples a period
-    np.testing.assert_allclose(commands._steps(fast, 60), -1.0)
-    walk = commands._steps(np.random.default_rng(1), 5000)
-    lengths = np.diff(np.flatnonzero(np.diff(walk, prepend=9.0)))
-    assert (lengths.min() >= 20, lengths.max() < 500) == (True, True)
-    k = np.arange(100)
-    wave = np.abs(((k / 20 + 1) % 2) - 1) * 2 - 1
-    np.testing.assert_allclose(commands._triangles(fast, 100), 0.2 * wave, atol=1e-12)
-    np.testing.assert_allclose(commands._sines(fast, 100), np.sin(2 * np.pi * k / 40), atol=1e-12)
-    np.testing.assert_allclose(commands._sines(slow, 5000)[:9], np.sin(2 * np.pi * np.arange(9) / 4000), atol=1e-9)
-    line = commands._walk(cast(Any, np.random.default_rng(4)), 2000)
-    bends = np.flatnonzero(np.abs(np.diff(line, 2)) > 1e-9)
-    assert (np.abs(line).max() <= 1.0, 2000 / 300 < bends.size < 2 * 2000 / 5) == (True, True)
-    dying = commands._reversals(slow, 3000)
-    # Half an eighth of the 3000 samples each, the amplitude from 1 to 0 over ten corners.
-    np.testing.assert_allclose(dying[::375], np.linspace(1, 0, 10)[:8] * (-1.0) ** (np.arange(8) + 1), atol=1e-12)
-    whole = commands.command(cast(Any, Ends(0.5)), 5000, 10.0, 90.0, 20.0)
-    # 6 % of the samples go from the beginning to both ends of the range and to its middle.
-    np.testing.assert_allclose(whole[:300], np.interp(np.linspace(0, 3, 300), range(4), [20, 90, 10, 50]))
-    # No row of the 300 is exactly at an end: within 3 / 299 of 80 V.
-    assert (whole.size, whole.min(), whole.max()) == pytest.approx((5000, 10.0, 90.0), abs=0.8)
 
 
 def test_the_laboratory_has_the_modest_imperfections_of_a_real_stage() -> None:

@@ -16,7 +16,6 @@ from hysgen_lab.stage import (
     DriftEffect,
     NoiseEffect,
     PeriodicEffect,
-    ResonanceEffect,
     Stage,
     StageError,
     StickSlipEffect,
@@ -297,25 +296,3 @@ EVERY: dict[str, object] = {
     "coupling": {"axis2_V": 0.05},
     "stick_slip": 0.03,
 }
-
-
-@pytest.mark.parametrize(
-    ("effects", "complaint"),
-    [
-        ({"crep": 0.03}, "crep: no such effect; the stage knows memory, "),
-        ({"creep": "much"}, "creep.per_decade: much is not a finite number"),
-        ({"creep": (0.03, 1.0, 0.5)}, "tau_min_s < tau_max_s"),
-        ({"saturation": (5.0, 1.0)}, "saturation: 5.0 .. 1.0 V is empty"),
-        ({"resonance": (780.0, 1.2)}, "resonance.zeta: 1.2"),
-        ({"resonance": ResonanceEffect}, "resonance: .* makes no Resonance"),
-        ({"delay": -0.5}, "cannot be early"),
-        ({"aging": (0.1, math.nan)}, "aging.over_s: nan is not a finite number"),
-        ({"outliers": (1.5, 0.1)}, "outliers.rate: 1.5"),
-        ({"coupling": {}}, "no channel named"),
-        ({"memory": 3}, "memory: give Preisach"),
-    ],
-)
-def test_what_makes_no_stage_is_refused_in_one_line(effects: dict[str, object], complaint: str) -> None:
-    with pytest.raises(StageError, match=complaint) as refusal:
-        Stage.nominal().with_effects(**effects)
-    assert "\n" not in str(refusal.value)

@@ -97,27 +97,3 @@ def test_thermal_hysterons_may_be_named_creep_and_no_other_family() -> None:
 
 def judgement(required: tuple[str, ...], named: tuple[str, ...], planted: tuple[str, ...], category: str) -> Judgement:
     return Judgement(category, 0, 1e3, "good", planted, required, named, dict.fromkeys(planted, 2.0), {}, 0.1, "")
-
-
-def test_rates_count_misses_and_false_alarms() -> None:
-    result = BankResult(
-        (
-            judgement(("memory", "creep"), ("memory", "creep"), ("memory", "creep"), "creep"),
-            judgement(("memory", "creep"), ("memory", "drift"), ("memory", "creep"), "creep"),
-            judgement(("memory",), ("memory",), ("memory",), "memory"),
-            judgement((), ("delay",), (), "none"),
-        ),
-        (0,),
-        4,
-    )
-    assert result.exact_rate == 0.5
-    assert result.found_rate == 4 / 5
-    assert result.false_alarm_rate == 0.5
-    assert result.confusion() == {"creep": {"creep": 1, "drift": 1}, "nothing": {"nothing": 1, "delay": 1}}
-
-
-def test_calibration_counts_the_named_causes_of_each_class_of_confidence() -> None:
-    made = judgement(("memory",), ("memory", "creep"), ("memory",), "memory")
-    result = BankResult((dataclasses.replace(made, confidence={"memory": 1.0, "creep": 0.95}),), (0,), 1)
-    assert result.calibration() == [(0.0, 0, 0), (0.9, 1, 0), (0.99, 0, 0), (0.999, 1, 1)]
-    assert "99.9 %    1 of 1" in result.table()

@@ -13,7 +13,7 @@ import pytest
 from hysgen.cli.console import Console
 from hysgen.cli.main import parser
 from hysgen.errors import HysgenError
-from hysgen_lab.studies.bank import BankResult, Judgement, limits, limits_table, run
+from hysgen_lab.studies.bank import BankResult, Judgement, limits, run
 from hysgen_lab.studies.bank.limits import PARAMETERS, QUIET, RECORDS
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.scenario import Scenario
@@ -44,28 +44,6 @@ def judged(judgements: list[Judgement]) -> dict[str, str]:
 
 def test_a_run_without_error_meets_every_limit() -> None:
     assert set(judged(full()).values()) == {"met"}
-
-
-@pytest.mark.parametrize(
-    ("fault", "times", "missed"),
-    [
-        ({"named": ("memory",)}, 7, "required causes found"),
-        ({"named": ("memory", "drift")}, 11, "exact set of causes"),
-        ({"fall": 6.9}, 1, "fall by the memory extension"),
-        ({"over_truth": 2.1}, 1, "error over that with the truth known"),
-        *(({"errors": {key: -1.1 * most}}, 1, f"error of {key}") for key, most in PARAMETERS.items()),
-    ],
-)
-def test_a_fault_misses_its_own_limit(fault: dict[str, object], times: int, missed: str) -> None:
-    judgements = full()
-    cause = missed.removeprefix("error of ").split(".")[0] if "." in missed else "creep"
-    at = [i for i, judgement in enumerate(judgements) if judgement.category == cause][:times]
-    for i in at:
-        judgements[i] = dataclasses.replace(judgements[i], **fault)  # type: ignore[arg-type]
-    assert judged(judgements)[missed] == "MISSED"
-    assert f"{cause} {judgements[at[0]].seed}: " in limits_table(
-        limits(BankResult(tuple(judgements), (0,), len(judgements)))
-    )
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list[tuple[str, int]]:

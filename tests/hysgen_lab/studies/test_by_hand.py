@@ -4,124 +4,30 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fixtures.ends import Ends
-from hysgen.errors import HysgenError
-from hysgen.firmware.host import State
 from hysgen.model.model import Grid, Model
 from hysgen.record import Record
 from hysgen_lab.firmware import tracking
-from hysgen_lab.firmware.tracking import Controller, TrackingResult
-from hysgen_lab.stage import CouplingEffect, CreepEffect, PeriodicEffect, ResonanceEffect, Stage
-from hysgen_lab.stage.effects import Setting
-from hysgen_lab.stage.effects.gain_step import GainStepEffect
-from hysgen_lab.stage.effects.memory import BoucWen, Preisach
+from hysgen_lab.firmware.tracking import TrackingResult
+from hysgen_lab.stage import CreepEffect, Stage
 from hysgen_lab.studies import coverage
-from hysgen_lab.studies.bank import family_scenario as families
-from hysgen_lab.studies.bank.excitation import good, poor, random_levels
-from hysgen_lab.studies.bank.family_scenario import PAST, Sensor, family_scenario
+from hysgen_lab.studies.bank.family_scenario import Sensor
 from hysgen_lab.studies.bank.judge_records import parameter_errors
 from hysgen_lab.studies.bank.limits import PARAMETERS, limits
 from hysgen_lab.studies.bank.result import BankResult, Judgement
-from hysgen_lab.studies.bank.scenario import memory_only, scenario
+from hysgen_lab.studies.bank.scenario import scenario
 from hysgen_lab.studies.endurance.excitations import excitations, persistent_excitation
 from hysgen_lab.studies.endurance.results import CASES, EnduranceResult, EnduranceTest, endurance_tests, rows
-from hysgen_lab.studies.paper import learning, results
-from hysgen_lab.studies.paper.figures import modelling_figures, tracking_figure
-from hysgen_lab.studies.paper.modelling import EXPERIMENTS
+from hysgen_lab.studies.paper import learning
 from hysgen_lab.studies.paper.tracking import CASES as TRACKED
-from hysgen_lab.studies.paper.tracking import Tracking
 from hysgen_lab.verbs.track import tracking_table
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
-ENDS: tuple[tuple[float, dict[str, float]], ...] = (
-    (0.0, {"low_V": -18.0, "high_V": 70.0, "stroke_um": 2.0, "lag": 2.0, "noise": 2e-5, "share": 0.002}),
-    (1.0, {"low_V": 10.0, "high_V": 118.0, "stroke_um": 80.0, "lag": 40.0, "noise": 5e-4, "share": 0.05}),
-)
-
-
-@pytest.mark.parametrize(("place", "end"), ENDS)
-def test_a_scenario_of_the_bank_is_drawn_between_its_ends(
-    place: float, end: dict[str, float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(np.random, "default_rng", lambda *_: Ends(place))
-    made, stage = scenario("creep", 5), scenario("creep", 5).stage
-    assert (made.Ts_s, len(made.u_V)) == ((1 / 200.0, 6000), (1 / 50e3, 9000))[int(place)]
-    assert (made.u_V.min(), made.u_V.max()) == (
-        pytest.approx(end["low_V"], abs=0.01),
-        pytest.approx(end["high_V"], abs=0.01),
-    )
-    assert stage.stroke_um == pytest.approx(end["stroke_um"])
-    assert stage.lag_s == pytest.approx(end["lag"] * made.Ts_s)
-    assert (stage.adc_low_um, stage.adc_high_um) == pytest.approx((-0.8 * stage.stroke_um, 2.0 * stage.stroke_um))
-    assert (stage.adc_bits, stage.sensor_step_um) == (16, 0.0)
-    assert stage.noise is not None
-    assert stage.noise.white_um == pytest.approx(end["noise"] * stage.stroke_um)
-    assert isinstance(stage.memory, (Preisach, BoucWen)[int(place)])
-    assert set(made.aux) == ({"axis2_V"}, set())[int(place)]
-    assert stage.others[0].true_parameters()["creep.per_decade"] == pytest.approx(0.8 * end["share"])
-    # The amplitude of a line is its share of the displacement over the command's range.
-    line = scenario("periodic", 5).stage.one(PeriodicEffect)
-    assert line is not None
-    span_um = end["stroke_um"] * (end["high_V"] - end["low_V"]) / 120.0
-    assert line.amplitude_um == pytest.approx(end["share"] * span_um)
-    bare = memory_only(made)
-    assert (bare.category, bare.stage.others, bare.stage.memory) == ("memory", (), stage.memory)
-    assert scenario("poor", 5).excitation == ("one sine", "slow triangle")[int(place)]
-    assert "axis2_V" in scenario("coupling", 5).aux
-
-
-@pytest.mark.parametrize(("place", "end"), ENDS)
-def test_a_scenario_of_a_family_is_drawn_between_its_ends(
-    place: float, end: dict[str, float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(np.random, "default_rng", lambda *_: Ends(place))
-    monkeypatch.setattr(families, "_lagging", lambda values, lag_s, _: np.full(len(values), lag_s))
-    made = family_scenario("bouc-wen", "coupling", 5)
-    stage, last = made.stage, int(place)
-    assert (made.Ts_s, len(made.u_V)) == ((1 / 500.0, 9000), (1 / 50e3, 12_000))[last]
-    assert (stage.dac_low_V, stage.dac_high_V, stage.dac_bits) == (-60.0, 160.0, (12, 18)[last])
-    assert (stage.history_V, stage.zero_V) == ((end["low_V"], end["high_V"], end["low_V"]), end["low_V"])
-    assert stage.lag_s == pytest.approx(end["lag"] * made.Ts_s)
-    assert (stage.adc_bits, stage.sensor_step_um) == (0, 0.0)
-    assert stage.noise is not None
-    white_um = end["noise"] * end["stroke_um"]
-    assert (stage.noise.white_um, stage.noise.flicker_um) == pytest.approx((white_um, 0.5 * place * white_um))
-    assert made.sensor == Sensor(pytest.approx((-0.02, 0.02)[last]), (0.0, 0.1)[last], (12, 18)[last])  # type: ignore[arg-type]
-    coupling = stage.one(CouplingEffect)
-    assert coupling is not None
-    size = end["share"] * end["stroke_um"] / 30.0
-    assert coupling.um_per_unit["axis2_V"] == pytest.approx((-size, size)[last])
-    # Below one half the channel is shown behind a lag.
-    assert (made.logged["axis2_V"] is made.aux["axis2_V"]) == (place > 0.5)
-    assert place > 0.5 or made.logged["axis2_V"][0] == pytest.approx(0.0003 * 9000 / 500)
-    assert family_scenario("bouc-wen", "none", 5).stage.memory != stage.memory
-
-
-def test_variants_of_effects_are_those_of_the_docstring() -> None:
-    setting = Setting(np.linspace(0.0, 1.0, 100), 1e-3, 10.0, 0.02)
-    creep, mode = CreepEffect(0.01), ResonanceEffect(90.0, 0.02, 0.4)
-    assert families._variant(LOW, creep, setting) == dataclasses.replace(creep, exponent=0.1)
-    assert families._variant(HIGH, creep, setting) == creep
-    assert families._variant(LOW, mode, setting) == mode
-    first, second = cast(Any, families._variant(HIGH, mode, setting))
-    assert first == dataclasses.replace(mode, share=-0.2)
-    # A fifth of the sampling rate is below 2.3 times 90 Hz.
-    assert (second.f_Hz, second.zeta, second.share) == (200.0, pytest.approx(0.06), 0.2)
-    slow = cast(Any, families._variant(HIGH, dataclasses.replace(mode, f_Hz=50.0), setting))[1]
-    assert slow.f_Hz == pytest.approx(115.0)
-    step = families._identified(GainStepEffect(0.05, 0.5 * 1e-3 * 8000), np.zeros(8000), 1e-3)
-    # Half of the 65 % of the 5000 rows behind the past.
-    assert cast(Any, step).at_s == pytest.approx(1e-3 * (PAST + 0.5 * 0.65 * 5000))
-    assert families._identified(creep, np.zeros(10), 1e-3) is creep
-    lagging = families._lagging(np.concatenate([[2.0], np.full(50, 3.0)]), 5e-3, 1e-3)
-    assert lagging[:2] == pytest.approx([2.0, 2.0])
-    assert lagging[1:] == pytest.approx(3.0 - np.exp(-0.2 * np.arange(50)))
 
 
 def test_a_sensor_bends_jitters_and_rounds() -> None:
@@ -135,30 +41,6 @@ def test_a_sensor_bends_jitters_and_rounds() -> None:
     assert np.abs(Sensor(0.0, 9.0, 40).reading(y_um, 1) - y_um).max() == pytest.approx(1e-3)
     # The converter's range is twice the span.
     assert np.diff(np.unique(Sensor(0.0, 0.0, 5).reading(y_um, 1))) == pytest.approx(8.0 / 32)
-
-
-def test_commands_at_the_ends_of_their_draws() -> None:
-    for rng, periods, strokes in ((LOW, 15, 1.5), (HIGH, 40, 3.0)):
-        k = np.arange(6000) / 6000
-        np.testing.assert_allclose(poor("one sine", rng, 6000, 0.0, 10.0), 5 + 5 * np.sin(2 * np.pi * periods * k))
-        triangle = poor("slow triangle", rng, 6000, 0.0, 10.0)
-        np.testing.assert_allclose(triangle, 10 * (1 - np.abs(1 - 2 * (strokes * k % 1))), atol=1e-12)
-    small = poor("small strokes", HIGH, 6000, 0.0, 10.0)
-    np.testing.assert_allclose(small, 5 + 0.15 * np.sin(2 * np.pi * 60 * np.arange(6000) / 6000), atol=1e-12)
-    assert np.flatnonzero(np.diff(random_levels(np.random.default_rng(2), 3000, 0.0, 1.0), 2).round(9)).size < 160
-    # The first sine has the whole range, the next 0.56 of it about 47.8 V, after a way of a quarter of its period.
-    wave = good(cast(Any, Ends(0.45)), 6000, 0.0, 100.0)
-    period = int(500 / 10 ** (-0.2 + 0.45 * 1.1))
-    turns = np.arange(period) / period
-    np.testing.assert_allclose(wave[:period], 50 - 50 * np.cos(2 * np.pi * turns), atol=1e-9)
-    begin, way = period + period // 4, period // 4
-    np.testing.assert_allclose(wave[begin : begin + period], 47.8 - 28 * np.cos(2 * np.pi * turns), atol=1e-9)
-    rise = (1 - np.cos(np.pi * np.arange(way) / way)) / 2
-    np.testing.assert_allclose(wave[period:begin], wave[period - 1] + (19.8 - wave[period - 1]) * rise, atol=1e-9)
-    # A step to the next sine, and a hold of 1 % of the samples behind each sine.
-    held = good(LOW, 6000, 0.0, 100.0)
-    assert len(set(held[792 : 792 + 60])) == 1
-    assert (np.ptp(held[852 : 852 + 132]), held[852]) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 def judged(seed: int, **more: Any) -> Judgement:
@@ -247,21 +129,6 @@ def test_the_table_of_the_bank_holds_every_rate() -> None:
     assert "Preisach" not in bare
     assert "with the truth known" not in bare
     assert "own stage" not in bare
-
-
-def test_errors_of_parameters_are_taken_from_the_first_effect_of_a_kind() -> None:
-    hidden: Any = dataclasses.replace(
-        scenario("none", 1),
-        u_V=np.array([0.0, 50.0]),
-        stage=Stage().with_effects(
-            periodic=[(40.0, 0.2), (70.0, 0.1)], saturation=(-5.0, 40.0), creep=CreepEffect(0.02, 0.1)
-        ),
-    )
-    found = {"periodic.f_Hz": 40.5, "periodic.amplitude_um": 0.1, "saturation.high_V": 41.0, "creep.per_decade": 0.03,
-             "creep.from_s": 9.0, "drift.ramp_um_per_s": 1.0}  # fmt: skip
-    assert parameter_errors(hidden, found) == pytest.approx(
-        {"periodic.f_Hz": 0.5, "periodic.amplitude_um": -0.5, "saturation.high_V": 0.02, "creep.per_decade": 0.5}
-    )
 
 
 RESULT = EnduranceResult(
@@ -360,65 +227,6 @@ def test_tracking_by_the_firmware_is_scored_from_the_end_of_the_rest_on() -> Non
     assert text[3] == "sensor: 0.52 nm rms; the paper's own stage, by its inverse: 18.6 nm at 50 Hz, 15.2 nm at 100 Hz"
 
 
-class Perfect:
-    """Firmware whose stage reaches each wanted displacement one sample later."""
-
-    state, status, commits = State.TRACK, "OK", 3
-
-    def __init__(self, *_: object) -> None:
-        self.firmware, self.wanted_um = self, list[float]()
-
-    def start(self, y_um: float) -> None:
-        self.wanted_um.append(y_um)
-
-    def run(self, piece_um: Any) -> SimpleNamespace:
-        self.wanted_um += list(piece_um)
-        reading_um, self.wanted_um = np.array(self.wanted_um[:-1]), self.wanted_um[-1:]
-        return SimpleNamespace(reading_um=reading_um, output_V=10.0 * reading_um)
-
-
-def test_a_controller_gets_the_reference_one_sample_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
-    model: Any = SimpleNamespace(name="made_up", blocks=())
-    monkeypatch.setattr(tracking, "HostImage", SimpleNamespace(compile=lambda *_: None))
-    monkeypatch.setattr(tracking, "firmware_model", lambda _: {})
-    monkeypatch.setattr(tracking, "at_rest", lambda _: None)
-    monkeypatch.setattr(tracking, "HostFirmware", Perfect)
-    told: list[tuple[float, str]] = []
-    given = Controller("trim", model, cast(Any, None), np.zeros(1))
-    found = tracking.run_controller(given, 50.0, 2.0, lambda fraction, what: told.append((fraction, what)))
-    # float32 holds 2 um to 0.2 nm.
-    assert (found.rms_nm, found.mean_nm, found.last_nm) == pytest.approx((0.0, 0.0, 0.0), abs=0.2)
-    assert found.voltage_V == pytest.approx((14.0, 26.0))
-    assert (found.controller, found.f_Hz, found.commits, found.status) == ("trim", 50.0, 3, "OK")
-    assert told == [(0.0, "trim, 50 Hz"), (0.5, "trim, 50 Hz")]
-    monkeypatch.setattr(Perfect, "state", State.TRIPPED)
-    with pytest.raises(HysgenError, match="trim: the image does not start"):
-        tracking.run_controller(given, 50.0, 1.0)
-
-
-def test_every_controller_runs_at_every_frequency_and_the_progress_rises(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = TrackingResult("trim", 50.0, 1.0, 0.0, 1.0, 1.0, (1.0, 2.0), 3, "OK")
-
-    def run(controller: str, f_Hz: float, seconds: float, progress: Any) -> TrackingResult:
-        progress(0.5, controller)
-        return dataclasses.replace(one, controller=controller, f_Hz=f_Hz, rms_nm=seconds)
-
-    monkeypatch.setattr(
-        tracking, "_proportional", lambda f_Hz, seconds: run("proportional", f_Hz, seconds, lambda *_: 0)
-    )
-    monkeypatch.setattr(tracking, "controllers", lambda _: ["a", "b", "c", "d"])
-    monkeypatch.setattr(tracking, "run_controller", run)
-    told: list[float] = []
-    found, _ = tracking.track(4.0, lambda fraction, _: told.append(fraction))
-    assert [(each.f_Hz, each.controller) for each in found] == [
-        (f_Hz, name) for f_Hz in (50.0, 100.0) for name in ("proportional", "a", "b", "c", "d")
-    ]
-    assert told == pytest.approx([0.0, 0.15, 0.25, 0.35, 0.45, 0.5, 0.65, 0.75, 0.85, 0.95])
-    model: Any = SimpleNamespace(u_min_V=-10.0, u_max_V=90.0)
-    chosen = tracking.settings_for(model)
-    assert (chosen.loop_low_V, chosen.loop_middle_V, chosen.loop_high_V) == (-10.0, 40.0, 90.0)
-
-
 def test_coverage_is_the_mean_over_stages_with_its_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
     shares = {3: (0.9, 0.2), 4: (1.0, 0.4), 5: (0.95, 0.6)}
     monkeypatch.setattr(coverage, "one_stage", lambda seed: shares[seed])
@@ -433,31 +241,16 @@ def test_coverage_is_the_mean_over_stages_with_its_standard_error(monkeypatch: p
         np.testing.assert_allclose(coverage.drive(rng), 50 + 50 * wave, atol=1e-9)
 
 
-def test_all_experiments_run_in_order_and_the_progress_rises(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("repeat", "track_case", "agreement", "lose_gain"):
-        monkeypatch.setattr(results, name, lambda given, name=name: (name, given))
-    told: list[tuple[float, str]] = []
-    found = results.repeat_all(lambda fraction, title: told.append((fraction, title)))
-    assert [fraction for fraction, _ in told] == pytest.approx([k / 13 for k in range(13)])
-    assert told[4][1] == "section 4.3: tracking at 50 Hz"
-    assert told[6][1] == "learner: Section 4.1: 100 Hz, varying amplitudes"
-    assert list(found.modelling) == [("repeat", experiment) for experiment in EXPERIMENTS]
-    assert list(found.learning) == [("agreement", experiment) for experiment in EXPERIMENTS[:2]]
-    assert list(found.changes) == [("lose_gain", name) for name in learning.DISTURBANCES]
-
-
-def test_figures_of_the_paper_show_its_runs_under_their_names() -> None:
-    model = Model("m", 2e-5, Grid(0.0, 9.0, 2), np.array([[0.5, 0.05, 0.0]] * 2), 0.0, 90.0)
-    record = Record.from_arrays(np.linspace(10.0, 80.0, 300), np.linspace(1.0, 8.0, 300), 2e-5)
-    for number, stem in ((0, "section-4.1"), (2, "fig11-sine")):
-        outcome: Any = SimpleNamespace(
-            validation=record, experiment=EXPERIMENTS[number], models={"paper": model, "memory": model}
-        )
-        made = modelling_figures(outcome)
-        assert list(made) == [f"{stem}-validation.png", f"{stem}-loops.png"]
-        errors = [axis.lines[0] for axis in made[f"{stem}-validation.png"].axes[1:]]
-        assert [line.get_label().split(":")[0] for line in errors] == ["one step", "free run", "free run, with memory"]
-        assert len({line.get_color() for line in errors}) == 3
-    y_um = np.array([2.0, 2.5, 1.5])
-    case = Tracking(50.0, TRACKED[0].published, np.arange(3.0), y_um, {"paper's inverse": y_um + 0.1})
-    assert tracking_figure(case).axes[0].get_title(loc="left") == "Section 4.3: 50 Hz"
+def test_errors_of_parameters_are_taken_from_the_first_effect_of_a_kind() -> None:
+    hidden: Any = dataclasses.replace(
+        scenario("none", 1),
+        u_V=np.array([0.0, 50.0]),
+        stage=Stage().with_effects(
+            periodic=[(40.0, 0.2), (70.0, 0.1)], saturation=(-5.0, 40.0), creep=CreepEffect(0.02, 0.1)
+        ),
+    )
+    found = {"periodic.f_Hz": 40.5, "periodic.amplitude_um": 0.1, "saturation.high_V": 41.0, "creep.per_decade": 0.03,
+             "creep.from_s": 9.0, "drift.ramp_um_per_s": 1.0}  # fmt: skip
+    assert parameter_errors(hidden, found) == pytest.approx(
+        {"periodic.f_Hz": 0.5, "periodic.amplitude_um": -0.5, "saturation.high_V": 0.02, "creep.per_decade": 0.5}
+    )
