@@ -83,7 +83,7 @@ def mdf_of_three_groups(path: Path) -> None:
     with asammdf.MDF(version="4.10") as file:
         file.append([asammdf.Signal(samples=U_V, timestamps=TIME_S, name="voltage", unit="V")])
         file.append([asammdf.Signal(samples=Y_UM, timestamps=TIME_S, name="position", unit="um")])
-        file.append([asammdf.Signal(samples=U_V[:20], timestamps=TIME_S[::20], name="temperature", unit="degC")])
+        file.append([asammdf.Signal(samples=U_V[:15], timestamps=TIME_S[::20], name="temperature", unit="degC")])
         file.save(path, overwrite=True)
 
 

@@ -1,4 +1,4 @@
-"""Every kind of bad record is refused with one line that names the file, the row, the field and the cure."""
+"""Bad arrays, options and files of other kinds are refused in one line with file, field and cure; no code runs."""
 
 from __future__ import annotations
 
@@ -31,16 +31,12 @@ U_V = np.round(50 + 40 * np.sin(2 * np.pi * K / 100), 6)
 Y_UM = np.round(5 + 3 * np.sin(2 * np.pi * (K - 4) / 100) + 1e-3 * np.random.default_rng(7).normal(size=400), 4)
 ROWS = [f"{t},{u},{y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True)]
 CLIPPED_UM = np.minimum(Y_UM, 7.5)
-UY = Columns(voltage="u", displacement="y")
-WORDS = b"time_s,u,y,state\n0,1,2,ok\n1,2,3,ok\n2,3,4,ok\n3,4,5,ok\n"
-SEGMENTS = b"time_s,u,y,segment\n0,1,2,0\n1,2,5,0\n2,3,4,0\n2,1,1,1\n3,4,5,1\n5,6,7,1\n6,8,9,1\n7,7,7,1\n8,6,8,1\n"
 SPREAD_UM = np.stack([Y_UM, Y_UM], axis=1)
 
 
-def text(lines: dict[int, str | None] | None = None, header: str = HEADER) -> bytes:
-    """The sound record as CSV; `lines` replaces (or with None deletes) lines by the number an editor shows."""
-    numbered = dict(enumerate([header, *ROWS], 1)) | (lines or {})
-    return "\n".join(line for line in numbered.values() if line is not None).encode() + b"\n"
+def text() -> bytes:
+    """The sound record as CSV."""
+    return "\n".join([HEADER, *ROWS, ""]).encode()
 
 
 def table(u_V: np.ndarray, y_um: np.ndarray, time_s: np.ndarray = TIME_S) -> bytes:
@@ -84,88 +80,7 @@ class Bad:
 
 
 BAD = [
-    # text that is no table
-    Bad("empty file", "a.csv", b"", ("is empty", "record some samples")),
-    Bad("header only", "a.csv", f"{HEADER}\n".encode(), ("a header and no rows", "record some samples")),
-    Bad("only comments", "a.csv", b"# nothing\n\n# here\n", ("only comments", "record some samples")),
-    Bad(
-        "no header and no time",
-        "a.csv",
-        b"5,1\n4,2\n6,1\n",
-        ("no time column", "the header names 0, 1", "--columns Ts_s=SECONDS"),
-    ),
-    Bad("page of the web", "a.csv", b"<!DOCTYPE html>\n<html><body>404</body></html>", ("page of the web", "download")),
     Bad("binary file called CSV", "a.csv", b"\1\0\2\0" * 300 + b"\0\0\0", ("binary", "export it as CSV")),
-    Bad("other format", "a.json", b'{"u": [1, 2]}', ("is JSON", "save the columns as CSV")),
-    Bad(
-        "two sensors",
-        "a.csv",
-        b"time,voltage,Sensor 1 (um),Sensor 2 (um)\n0,1,2,3\n1,2,3,4\n2,3,4,5\n",
-        ("the displacement may be 'Sensor 1 (um)' or 'Sensor 2 (um)'", '--columns "time=time,voltage=voltage,displ'),
-    ),
-    Bad(
-        "displacement in percent",
-        "a.csv",
-        text(header="time,voltage,Position (%)"),
-        ("'Position (%)' is in %, which is no unit of a displacement", "displacement_unit=um"),
-    ),
-    Bad(
-        "error of a spreadsheet",
-        "a.csv",
-        text({5: "0.003,#N/A,1.0"}),
-        ("line 5", "voltage_V is '#N/A', not a number"),
-    ),
-    Bad("no table", "a.xlsx", b"PK", ("holds a header and no rows",)),
-    # columns
-    Bad(
-        "missing column",
-        "a.csv",
-        text(header="time_s,speed,displacement_um"),
-        (
-            "no voltage column 'voltage_V'",
-            "names time_s, speed, displacement_um",
-            '--columns "time=time_s,voltage=NAME,displacement=displacement_um"',
-        ),
-    ),
-    Bad(
-        "wrong separator",
-        "a.csv",
-        text(),
-        ("no time column 'time_s'", "give --columns separator"),
-        Columns(separator=";"),
-    ),
-    Bad(
-        "column name twice", "a.csv", text(header="time_s,voltage_V,voltage_V"), ("names voltage_V twice", "rename one")
-    ),
-    Bad("ragged row", "a.csv", text({9: "0.007,1"}), ("line 9", "2 fields, the header has 3", "complete the row")),
-    Bad("long row", "a.csv", text({9: "0.007,1,2,3"}), ("line 9", "4 fields, the header has 3", "complete the row")),
-    Bad("names short of columns", "a.csv", b"time_s,u,y\n0,1,2,3\n1,2,3,4\n2,3,4,5\n", ("line 2", "4 fields"), UY),
-    Bad(
-        "long row beside words", "a.csv", WORDS.replace(b"2,3,4,ok", b"2,3,4,5,ok"), ("line 4", "5 fields", "has 4"), UY
-    ),
-    Bad(
-        "text for a number",
-        "a.csv",
-        text({9: "0.007,ok,2"}),
-        ("line 9", "voltage_V", "'ok', not a number", "correct it"),
-    ),
-    Bad("nothing for a number", "a.csv", text({9: "0.007,,2"}), ("line 9", "voltage_V is empty", "correct it")),
-    Bad("decimal comma", "a.csv", text({9: "0,007;1;2"}), ("line 9", "fields", "complete the row")),
-    # values
-    Bad(
-        "not a number",
-        "a.csv",
-        text({9: "0.007,1,nan"}),
-        ("line 9", "displacement_um is nan (1 such", "interpolate them"),
-    ),
-    Bad("infinity", "a.csv", text({9: "0.007,-inf,2"}), ("line 9", "voltage_V is -inf", "interpolate them")),
-    Bad(
-        "constant input",
-        "a.csv",
-        table(0 * U_V + 3, Y_UM),
-        ("voltage_V is constant at 3 in all 400", "signal that moves"),
-    ),
-    Bad("constant output", "a.csv", table(U_V, 0 * Y_UM), ("displacement_um is constant at 0", "sensor is connected")),
     Bad(
         "sensor at its end",
         "a.csv",
@@ -173,41 +88,6 @@ BAD = [
         (f"line {np.argmax(CLIPPED_UM) + 2}", "displacement_um stays at its highest value 7.5", "drive less, or widen"),
     ),
     Bad("columns exchanged", "a.csv", table(Y_UM, U_V), ("displacement_um runs ahead of voltage_V", "reads them so")),
-    Bad("two samples", "a.csv", f"{HEADER}\n0,1,2\n1,2,3\n".encode(), ("line 2", "2 samples", "record at least 3")),
-    # time
-    Bad("NaN in time", "a.csv", text({9: "nan,1,2"}), ("line 9", "time_s is nan", "write its time")),
-    Bad(
-        "gap in time", "a.csv", text({9: None, 10: None}), ("line 9", "jumps from 0.006 s by 0.003 s", "segment column")
-    ),
-    Bad("stamp twice", "a.csv", text({9: "0.006,1,2"}), ("line 9", "time_s repeats 0.006 s", "delete one")),
-    Bad(
-        "time falls", "a.csv", text({9: "0.002,1,2"}), ("line 9", "time_s falls from 0.006 to 0.002 s", "sort the rows")
-    ),
-    Bad(
-        "jitter",
-        "a.csv",
-        text({9: "0.0072,1,2"}),
-        ("line 10", "time_s steps by 0.0008 s", "20.0 % off", "sample evenly"),
-    ),
-    Bad("wrong period given", "a.csv", text(), ("Ts_s = 0.01 s was given", "rises by 0.001 s"), Columns(Ts_s=0.01)),
-    Bad(
-        "wrong time unit",
-        "a.csv",
-        text(),
-        ("Ts_s = 0.001 s was given", "rises by 1e-06 s", "--columns time_unit="),
-        Columns(Ts_s=0.001, time_unit="ms"),
-    ),
-    # segments
-    Bad(
-        "segment comes back",
-        "a.csv",
-        b"time_s,voltage_V,displacement_um,segment\n"
-        + b"".join(b"%g,%d,%d,%d\n" % (k * 0.1, k, k * k, (0, 1, 0)[k // 3]) for k in range(9)),
-        ("line 8", "segment 0 comes back", "its own number"),
-    ),
-    Bad(
-        "gap in the second segment", "a.csv", SEGMENTS, ("line 7", "time_s jumps from 3 s by 2 s", "segment column"), UY
-    ),
     # NPZ, MAT, HDF5
     Bad(
         "pickled object", "a.npz", npz(**sound(note=np.array([{}]))), ("array note", "could run code", "plain numbers")
@@ -260,7 +140,7 @@ BAD = [
 
 
 @pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.kind)
-def test_bad_file_is_refused_with_one_line_naming_file_row_field_and_cure(bad: Bad, tmp_path: Path) -> None:
+def test_a_bad_file_of_arrays_is_refused_with_one_line_naming_file_field_and_cure(bad: Bad, tmp_path: Path) -> None:
     path = tmp_path / bad.file
     path.write_bytes(bad.content)
     with pytest.raises(RecordError) as refusal:
@@ -392,15 +272,9 @@ def test_bare_pickle_under_any_suffix_is_refused_and_does_not_run(suffix: str, t
         ("log.tar", bytes(257) + b"ustar" + bytes(250), "is a tar archive; unpack it and name the record"),
         ("log.csv.gz", gzip.compress(bytes(257) + b"ustar" + bytes(250), mtime=0), "is a tar archive"),
         ("log.zip", b"PK\x05\x06" + bytes(18), "is an empty zip archive"),
-        ("log.csv", b"version https://git-lfs.github.com/spec/v1\noid sha256:4d\nsize 12\n", "is a pointer of Git LFS"),
         ("log.pkl", b"\x80\x04\x95" + bytes(40), "is a pickle, which could run code"),
-        (
-            "mail.txt",
-            b"Dear all,\nplease find the data, attached.\nBest, K.\n",
-            "line 1: holds no columns ('Dear all,')",
-        ),
     ],
-    ids=["PNG", "PDF", "XLS", "tar", "tar.gz", "zip", "LFS", "pickle", "mail"],
+    ids=["PNG", "PDF", "XLS", "tar", "tar.gz", "zip", "pickle"],
 )
 def test_a_file_of_another_kind_is_named_by_its_kind(name: str, data: bytes, said: str, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(data)
