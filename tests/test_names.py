@@ -77,7 +77,7 @@ def firmware_names() -> dict[str, set[str]]:
         board = path.parent if path.parent.name not in ("controller", "board") else root / "board" / "simulator"
         include = [root / "controller", board, root / "models" / "extended"]
         names[str(path.relative_to(root))] = external(assembly(path.parent, path.name, *(f"-I{x}" for x in include)))
-    for path in sorted([*root.glob("board/*/*.s"), *root.glob("board/*/*.asm"), *root.glob("board/*/*.ld")]):
+    for path in sorted([*root.glob("board/*/*.s"), *root.glob("board/*/*.ld")]):
         names[str(path.relative_to(root))] = external(path.read_text(encoding="utf-8"))
     return names
 
@@ -87,7 +87,7 @@ def test_every_external_name_of_the_firmware_has_the_prefix() -> None:
     assert len(names) > 20
     assert "hysgen_crc32" in names["controller/crc32.c"]
     assert "hysgen_board_voltage" in names["board/c6748/board.c"]
-    assert "hysgen_vectors" in names["board/c6748/start.s"] & names["board/c6748/vectors.asm"]
+    assert "hysgen_vectors" in names["board/c6748/start.s"]
     assert "hysgen_stack_top" in names["board/c6748/c6748.ld"]
     assert {file: wrong for file, found in names.items() if (wrong := foreign(found))} == {}
 

@@ -13,6 +13,8 @@
 #define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
 #define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not on (yet) */
 
+/* board_type.h also has BOARD_LOW_V .. BOARD_HIGH_V and BOARD_LOW_UM .. BOARD_HIGH_UM, the ranges of the converters, BOARD_SAFE_V, and
+ * BOARD_RECORD, a power of two. */
 #define BOARD_SLOTS       2u
 #define BOARD_SLOT_BYTES  4096u
 
@@ -50,6 +52,9 @@ uint32_t *hysgen_board_kept(board_t *board);
 
 /* 1 if the power came on, 0 if the processor started again under power. */
 uint32_t hysgen_board_power_on(board_t *board);
+
+/* Memory for BOARD_RECORD words of 16 bits, see play.h; its content at power on does not matter. */
+volatile uint16_t *hysgen_board_record(board_t *board);
 
 /* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
 uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room);

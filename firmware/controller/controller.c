@@ -33,6 +33,7 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     self->clears = 0u;
     self->committing = 0u;
     self->installing = 0u;
+    self->plays = 0u;
     self->learns = 0u;
     self->start_um = MODEL_Y_MIN_UM;
     self->begun = 0u;
@@ -106,7 +107,8 @@ static void controller_take_request(controller_t *self)
         return;
     }
     self->request = CONTROLLER_NO_REQUEST;
-    if ((request == CONTROLLER_START) && (self->state == CONTROLLER_OFF)) {
+    if (((request == CONTROLLER_START) || (request == CONTROLLER_RECORD)) && (self->state == CONTROLLER_OFF)) {
+        self->plays = (uint32_t)(request == CONTROLLER_RECORD);
         self->begun = 0u;
         self->powered = 0u;
         self->state = CONTROLLER_POWER;
@@ -244,6 +246,44 @@ static float controller_loop(controller_t *self)
     return u_V;
 }
 
+/* Voltage of RISE, which leads to the loop, or to the first voltage of the table. */
+static float controller_rise(controller_t *self)
+{
+    const settings_t *settings = self->settings;
+    const float first_V = (self->plays != 0u) ? hysgen_play_voltage(&self->play, 0u) : settings->loop_low_V;
+    const float target_V = number_limited(first_V, settings->low_V, settings->high_V);
+    const float u_V = controller_towards(self->output_V, target_V, settings->ramp_V);
+
+    if ((u_V == target_V) && (self->plays != 0u)) {
+        self->state = CONTROLLER_PLAY;
+    } else if (u_V == target_V) {
+        controller_begin(self);
+    } else {
+        /* On the way. */
+    }
+    return u_V;
+}
+
+/* The next voltage of the table, and the reading in its place. A voltage beyond range or rate ends the table in front of it. */
+static float controller_play(controller_t *self)
+{
+    const settings_t *settings = self->settings;
+    const float u_V = hysgen_play_voltage(&self->play, self->play.done);
+    const uint32_t beyond = (uint32_t)(u_V < settings->low_V) | (uint32_t)(u_V > settings->high_V);
+    const uint32_t fast = (uint32_t)(number_size(u_V - self->output_V) > settings->step_V);
+
+    self->status |= (beyond * STATUS_OUTPUT_LIMITED) | (fast * STATUS_OUTPUT_SLEWED);
+    if ((beyond | fast) != 0u) {
+        self->state = CONTROLLER_FALL;
+        return self->output_V;
+    }
+    hysgen_play_record(&self->play, self->watchdog.sample_um);
+    if (self->play.done >= self->play.count) {
+        self->state = CONTROLLER_FALL;
+    }
+    return u_V;
+}
+
 /* Voltage of the present state, before the limits of the output; changes to the next state where it is due. */
 static float controller_voltage(controller_t *self, float reference_um)
 {
@@ -258,10 +298,10 @@ static float controller_voltage(controller_t *self, float reference_um)
         }
         break;
     case CONTROLLER_RISE:
-        u_V = controller_towards(self->output_V, settings->loop_low_V, settings->ramp_V);
-        if (u_V == settings->loop_low_V) {
-            controller_begin(self);
-        }
+        u_V = controller_rise(self);
+        break;
+    case CONTROLLER_PLAY:
+        u_V = controller_play(self);
         break;
     case CONTROLLER_LOOP:
         u_V = controller_loop(self);
@@ -319,7 +359,7 @@ static float controller_voltage(controller_t *self, float reference_um)
     return u_V;
 }
 
-/* No state but OFF, TRACK and TRIPPED lasts for ever. TRIP that does not end by itself ends at the largest rate. */
+/* No state but OFF, TRACK and TRIPPED lasts for ever; PLAY ends with its table. TRIP that does not end by itself ends at the largest rate. */
 static void controller_limit_time(controller_t *self, controller_state_t before)
 {
     const controller_state_t state = self->state;
@@ -331,7 +371,7 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
     } else if (state == CONTROLLER_TRIP) {
         self->status |= STATUS_FAULT_TIMEOUT;
         self->state = CONTROLLER_TRIPPED;
-    } else if ((hysgen_controller_drives(self) != 0u) && (state != CONTROLLER_TRACK)) {
+    } else if ((hysgen_controller_drives(self) != 0u) && (state != CONTROLLER_TRACK) && (state != CONTROLLER_PLAY)) {
         self->status |= STATUS_FAULT_TIMEOUT;
     } else {
         /* A state that may last. */

@@ -2,6 +2,7 @@
  * safe start and stop around it.
  *
  *     OFF -> POWER -> RISE -> LOOP -> HOLD -> APPROACH -> TRACK   start
+ *     OFF -> POWER -> RISE -> PLAY -> FALL -> OFF                  play a table, record the readings
  *     any of these but OFF -> FALL -> OFF                          stop
  *     any of them -> TRIP -> TRIPPED -> OFF                        fault; back to OFF by `clear` only
  *
@@ -11,7 +12,8 @@
  * the model's stroke.
  * HOLD waits until the lag has decayed and takes the mean offset between stage and model (the sensor's zero, and earlier
  * creep), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
- * brings the reference from where the model is to where the caller wants it, TRACK follows it. */
+ * brings the reference from where the model is to where the caller wants it, TRACK follows it. PLAY puts out the voltages of a table,
+ * without model and feedback, and ends in front of the first one that the limits of the output would change. */
 
 #ifndef CONTROLLER_H
 #define CONTROLLER_H
@@ -19,6 +21,7 @@
 #include <stdint.h>
 
 #include "model.h"
+#include "play.h"
 #include "settings.h"
 #include "status.h"
 #include "trim.h"
@@ -34,7 +37,8 @@ typedef enum {
     CONTROLLER_TRACK = 6,
     CONTROLLER_FALL = 7,
     CONTROLLER_TRIP = 8,
-    CONTROLLER_TRIPPED = 9
+    CONTROLLER_TRIPPED = 9,
+    CONTROLLER_PLAY = 10
 } controller_state_t;
 
 /* What the caller may ask for; taken at the next sample, START not before parameters being installed are in place. */
@@ -42,6 +46,7 @@ typedef enum {
 #define CONTROLLER_START          1u  /* from OFF */
 #define CONTROLLER_STOP           2u  /* from any state in which the stage moves */
 #define CONTROLLER_CLEAR          3u  /* status; in OFF and TRIPPED also the watchdog's counts; from TRIPPED also back to OFF */
+#define CONTROLLER_RECORD         4u  /* from OFF: play the table of `play` */
 
 #define CONTROLLER_LINE (MODEL_PREVIEW + 1u)
 
@@ -57,6 +62,8 @@ typedef struct {
     volatile uint32_t committing;   /* the idle loop is inside the model's commit */
     volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
 
+    play_t play;             /* the idle loop writes all but `done`, and only at rest */
+    uint32_t plays;          /* the start that was asked for last leads to PLAY */
     uint32_t learns;         /* this sample is one to learn from */
     float start_um;          /* displacement of the next sample by the parameters of START, learning or not */
     uint32_t begun;          /* the model drives with its own bank since the last START */

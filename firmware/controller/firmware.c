@@ -42,6 +42,7 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     hysgen_link_init(&self->link);
     self->settings_wrong = hysgen_settings_check(settings);
     hysgen_controller_init(&self->controller, settings, (self->settings_wrong == NULL) ? settings->off_V : BOARD_SAFE_V);
+    hysgen_play_init(&self->controller.play, hysgen_board_record(board));
     if (hysgen_board_power_on(board) == 0u) {
         const uint32_t *kept = hysgen_board_kept(board);
 
@@ -144,7 +145,74 @@ static void firmware_answer_identity(firmware_t *self)
     hysgen_link_add(link, number_bits(MODEL_Y_MAX_UM));
     hysgen_link_add(link, number_bits(MODEL_U_MIN_V));
     hysgen_link_add(link, number_bits(MODEL_U_MAX_V));
+    hysgen_link_add(link, number_bits(BOARD_LOW_V));
+    hysgen_link_add(link, number_bits(BOARD_HIGH_V));
+    hysgen_link_add(link, number_bits(BOARD_LOW_UM));
+    hysgen_link_add(link, number_bits(BOARD_HIGH_UM));
+    hysgen_link_add(link, BOARD_RECORD);
     hysgen_link_add_text(link, MODEL_NAME);
+}
+
+/* 1 if the stage rests and will: nobody but the idle loop writes the table then. */
+static uint32_t firmware_rests(const firmware_t *self)
+{
+    return (uint32_t)(hysgen_controller_drives(&self->controller) == 0u) & (uint32_t)(self->controller.request == CONTROLLER_NO_REQUEST);
+}
+
+/* The table becomes a record. A repeated command, whose answer was lost, finds that one in play. */
+static uint8_t firmware_record(firmware_t *self)
+{
+    play_t *play = &self->controller.play;
+    uint8_t code = LINK_VALUE;
+
+    if ((self->controller.state == CONTROLLER_OFF) && (play->loaded != 0u)) {
+        play->count = play->loaded;
+        play->loaded = 0u;
+        play->done = 0u;
+        code = LINK_DONE;
+    } else if ((self->controller.plays != 0u) && (hysgen_controller_drives(&self->controller) != 0u)) {
+        code = LINK_DONE;
+    } else {
+        /* Not at rest, or no table. */
+    }
+    return code;
+}
+
+/* A piece of a table of voltages. Offset 0 begins one; any other piece follows the one before, or repeats one. */
+static uint8_t firmware_table(firmware_t *self, const uint8_t *data, uint32_t count)
+{
+    play_t *play = &self->controller.play;
+    uint8_t code = LINK_LENGTH;
+
+    if ((count > 4u) && (count <= 4u + LINK_CHUNK) && ((count & 1u) == 0u)) {
+        const uint32_t place = bytes_word(data) >> 1;
+        const uint32_t length = (count - 4u) >> 1;
+
+        code = LINK_VALUE;
+        if ((firmware_rests(self) != 0u) && (place <= play->loaded) && (place <= BOARD_RECORD - length)) {
+            for (uint32_t i = 0u; i < length; ++i) {
+                const uint8_t *at = &data[4u + 2u * i];
+
+                play->words[place + i] = (uint16_t)((uint32_t)at[0] | ((uint32_t)at[1] << 8));
+            }
+            play->loaded = place + length;
+            code = LINK_DONE;
+        }
+    }
+    return code;
+}
+
+static void firmware_answer_record(firmware_t *self, uint32_t place)
+{
+    const play_t *play = &self->controller.play;
+
+    hysgen_link_add(&self->link, play->done);
+    for (uint32_t i = 0u; i < LINK_CHUNK / 2u; i += 2u) {
+        const uint32_t low = play->words[(place + i) & (BOARD_RECORD - 1u)];
+        const uint32_t high = play->words[(place + i + 1u) & (BOARD_RECORD - 1u)];
+
+        hysgen_link_add(&self->link, low | (high << 16));
+    }
 }
 
 static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
@@ -152,10 +220,18 @@ static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t 
     uint8_t code = LINK_LENGTH;
 
     if (count == 1u) {
-        const uint32_t known = (uint32_t)(data[0] >= CONTROLLER_START) & (uint32_t)(data[0] <= CONTROLLER_CLEAR);
+        const uint32_t starts = (uint32_t)(data[0] == CONTROLLER_START);
+        const uint32_t known = (uint32_t)(data[0] >= CONTROLLER_START) & (uint32_t)(data[0] <= CONTROLLER_RECORD);
 
-        code = (known != 0u) ? LINK_DONE : LINK_VALUE;
-        if (known != 0u) {
+        code = LINK_VALUE;
+        if (data[0] == CONTROLLER_RECORD) {
+            code = firmware_record(self);
+        } else if ((known != 0u) && ((starts == 0u) || (self->controller.state < CONTROLLER_FALL))) {
+            code = LINK_DONE;
+        } else {
+            /* Unknown, or a START that would not be taken. */
+        }
+        if (code == LINK_DONE) {
             self->controller.request = data[0];
         }
     }
@@ -236,6 +312,10 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
         code = firmware_reference(self, data, length);
     } else if (kind == LINK_IMAGE) {
         code = firmware_piece(self, data, length);
+    } else if (kind == LINK_TABLE) {
+        code = firmware_table(self, data, length);
+    } else if (kind == LINK_RECORD) {
+        code = (length == 4u) ? LINK_DONE : LINK_LENGTH;
     } else if ((kind == LINK_STATUS) || (kind == LINK_IDENTIFY)) {
         code = (length == 0u) ? LINK_DONE : LINK_LENGTH;
     } else {
@@ -247,6 +327,9 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     }
     if ((code == LINK_DONE) && (kind == LINK_IDENTIFY)) {
         firmware_answer_identity(self);
+    }
+    if ((code == LINK_DONE) && (kind == LINK_RECORD)) {
+        firmware_answer_record(self, bytes_word(data) >> 1);
     }
     hysgen_link_close(&self->link);
 }

@@ -118,12 +118,15 @@ def test_link_says_the_identity_at_another_rate(firmware: Firmware, capsys: pyte
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("image", "image: name the file or model to send"),
-        ("install", "install: name the file or model to send"),
+        ("image", "image: name the file, model or table to send"),
+        ("install", "install: name the file, model or table to send"),
         ("status 5", "status: takes no value"),
         ("start 5", "start: takes no value"),
         ("identify 5", "identify: takes no value"),
         ("reference high", "high: is no number; the reference is a displacement in um"),
+        ("record", "record: name the file, model or table to send"),
+        ("record table", "record: name the record: -o FILE"),
+        ("start -o x.csv", "start: takes no -o"),
         ("image none", "none: cannot be read (No such file or directory)"),
     ],
 )

@@ -5,14 +5,11 @@ The simulated C674x runs the same drivers over the same model (test_drivers_on_s
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
 from fixtures.board_drivers import Chip, drivers
 from hysgen.errors import BuildError
-from hysgen.firmware.binding import TARGET_BOARD, read_sources
 
 PLL, PSC0, PSC1, SYSCFG, UART, GPIO = 0x01C11000, 0x01C10000, 0x01E27000, 0x01C14000, 0x01D0D000, 0x01E26000
 TIMER0, TIMER1, SPI1 = 0x01C20000, 0x01C21000, 0x01F0E000
@@ -80,17 +77,6 @@ def test_with_tis_compiler_interrupt_4_NMI_and_exceptions_are_enabled() -> None:
     chip.lib.TSR = chip.lib.IER = chip.lib.CSR = 0
     chip.lib.hysgen_board_start(chip.board)
     assert (chip.lib.TSR, chip.lib.IER, chip.lib.CSR) == (4, 0x12, 1)
-
-
-def test_every_slot_of_tis_vector_table_is_one_fetch_packet_of_eight_instructions() -> None:
-    table = dict(read_sources(TARGET_BOARD, "vectors.asm"))["vectors.asm"]
-    lengths = {
-        name: len([line for line in body.splitlines() if line.strip()])
-        for name, body in re.findall(r"^(\w+) +\.macro[^\n]*\n(.*?)\.endm", table, re.MULTILINE | re.DOTALL)
-    }
-    assert lengths == {"slot": 8, "broken": 8, "empty": 8}
-    used = re.findall(r"^ +(slot|broken|empty)\b", table.split("hysgen_vectors:")[1], re.MULTILINE)
-    assert (len(used), used[:5]) == (16, ["slot", "broken", "empty", "empty", "slot"])
 
 
 def test_the_watchdog_gets_both_words_in_their_order() -> None:

@@ -119,16 +119,17 @@ def test_answers_to_another_command_and_noise_are_passed_over() -> None:
 
 
 def test_the_identity_of_another_version_is_refused() -> None:
-    for protocol in (2, 1):
-        words = struct.pack("<6IQI5I4f", protocol, 1, 2, 3, 4, 5, 6, 1, 20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0)
+    for protocol in (3, 2):
+        own = (20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, -20.0, 120.0, -3.0, 13.0, 4096)
+        words = struct.pack("<6IQI5I8fI", protocol, 1, 2, 3, 4, 5, 6, 1, *own)[: None if protocol == 3 else 80]
         asking, _ = client(lambda *_, words=words: b"\0" + words + b"stage")
-        if protocol == 2:
+        if protocol == 3:
             found = asking.identity()
-            expected = Identity(2, (1, 2, 3, 4), 5, 6, True, 20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, "stage")
+            expected = Identity(3, (1, 2, 3, 4), 5, 6, True, *own, "stage")
             assert found == expected
             assert to_json(found) == vars(expected)
         else:
-            with pytest.raises(HysgenError, match="version 1 of the link, this hysgen 2"):
+            with pytest.raises(HysgenError, match="version 2 of the link, this hysgen 3"):
                 asking.identity()
 
 
@@ -180,7 +181,7 @@ def test_an_image_is_waited_for_ten_seconds(state: State, words: str, monkeypatc
 
 def test_a_models_image_is_labelled_as_the_firmware_tells() -> None:
     parts: list[bytes] = []
-    words = struct.pack("<6IQI5I4f", link.PROTOCOL, 1, 2, 3, 4, 55, 1 << 40, 1, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0)
+    words = struct.pack("<6IQI5I8fI", link.PROTOCOL, 1, 2, 3, 4, 55, 1 << 40, 1, *(0,) * 14)
 
     def reply(kind: int, number: int, data: bytes) -> bytes:
         parts.append(data[4:] if kind == Command.IMAGE else b"")
@@ -260,7 +261,7 @@ def test_commands_codes_and_answers_are_those_of_the_c() -> None:
     assert {name: wire[name] for name in Command.__members__} == {each.name: each.value for each in Command}
     assert (wire["ANSWER"], wire["CHUNK"], wire["VERSION"]) == (ANSWER, CHUNK, link.PROTOCOL)
     assert [CODES[wire[name]] for name in ("DONE", "UNKNOWN", "LENGTH", "VALUE")] == list(CODES)
-    assert (wire["STATUS_WORDS"], wire["IDENTITY_WORDS"]) == (len(LinkStatus.__dataclass_fields__), 18)
+    assert (wire["STATUS_WORDS"], wire["IDENTITY_WORDS"]) == (len(LinkStatus.__dataclass_fields__), 23)
     names = ("GOOD", "INCOMPLETE", "UNKNOWN", "DAMAGED", "FOREIGN", "NO_NUMBER", "NOT_STORED")
     names += ("FORGED", "STRANGE", "OTHER_BUILD", "REPLAYED")
     image = defined("IMAGE_")

@@ -28,6 +28,7 @@ ENTRY = f"""
 #include "model_stubs.c"
 #include "board.h"
 #include "controller.c"
+#include "play.c"
 #include "settings.c"
 #include "trim.c"
 #include "watchdog.c"
@@ -35,17 +36,20 @@ ENTRY = f"""
 settings_t settings;
 controller_t controller;
 float output_V;
+volatile uint16_t record[BOARD_RECORD];
 static uint32_t any(void) {{ return Frama_C_unsigned_int_interval(0u, 0xFFFFFFFFu); }}
 
 int main(void)
 {{
     Frama_C_make_unknown((char *)&settings, sizeof settings);
     hysgen_controller_init(&controller, &settings, BOARD_SAFE_V);
+    hysgen_play_init(&controller.play, record);
     if (hysgen_settings_check(&settings) != NULL) {{
         controller.status |= STATUS_FAULT_SETTINGS;
     }}
     while (Frama_C_interval(0, 1)) {{
         controller.request = any();
+        controller.play.count = any();
         controller.committing = any();
         controller.installing = any();
         output_V = hysgen_controller_step(&controller, {ANY_FLOAT}, {ANY_FLOAT}, any());

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.firmware_bench import ModelStage, image, model
+from fixtures.firmware_bench import Direct, ModelStage, image, model
 from fixtures.tools import library
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
@@ -29,35 +29,6 @@ from hysgen_c674x.firmware.simulated import compile_image
 
 OWNER = Owner(bytes(range(16)), 0xABCDEF)
 QUICK = Settings(hold_samples=256, ramp_V=0.5, fall_V=0.5, approach_um=0.01)
-
-
-class Direct:
-    """A line to firmware in this process. loss: probability of each byte to be lost or changed."""
-
-    def __init__(self, firmware: HostFirmware, loss: float = 0.0) -> None:
-        self.firmware, self._loss, self._rng, self._answers = firmware, loss, np.random.default_rng(8), b""
-
-    def write(self, data: bytes) -> int:
-        self._answers += self._spoiled(self.firmware.line(self._spoiled(data)))
-        self.firmware.run(np.full(2, 2.0))
-        return len(data)
-
-    def read(self, size: int = 1) -> bytes:
-        taken, self._answers = self._answers[:size], self._answers[size:]
-        return taken
-
-    def close(self) -> None:
-        pass
-
-    def _spoiled(self, data: bytes) -> bytes:
-        out = bytearray()
-        for byte in data:
-            chance = self._rng.random()
-            if chance > self._loss:
-                out.append(byte)
-            elif chance < 0.5 * self._loss:
-                out.append(int(self._rng.integers(256)))
-        return bytes(out)
 
 
 def owned(settings: Settings = QUICK) -> HostFirmware:
@@ -151,7 +122,7 @@ def test_any_bytes_on_the_line_change_nothing() -> None:
     bank = firmware.bank()
     for _ in range(300):
         firmware.line(rng.bytes(int(rng.integers(1, 400))))
-        firmware.line(frame(bytes([6, 0]) + rng.bytes(int(rng.integers(0, 126)))))
+        firmware.line(frame(bytes([9, 0]) + rng.bytes(int(rng.integers(0, 126)))))
     firmware.run(np.full(10, 2.0))
     assert firmware.state is State.OFF
     assert firmware.bank() == bank
@@ -162,7 +133,8 @@ def test_any_bytes_on_the_line_change_nothing() -> None:
     ("kind", "data", "code"),
     [
         (Command.REQUEST, b"", 2),
-        (Command.REQUEST, b"\x04", 3),
+        (Command.REQUEST, b"\x05", 3),
+        (Command.RECORD, b"", 2),
         (Command.REQUEST, b"\x01\x01", 2),
         (Command.REFERENCE, b"\0\0\0\xff\xff", 2),
         (Command.REFERENCE, b"\0\0\x80\x7f", 3),

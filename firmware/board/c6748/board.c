@@ -13,7 +13,7 @@
 #if defined(__TI_COMPILER_VERSION__)
 #include <c6x.h>
 
-extern void hysgen_vectors(void);  /* vectors.asm */
+extern void hysgen_vectors(void);  /* of a vector table of yours */
 
 static uint32_t board_counter(void)
 {
@@ -191,6 +191,15 @@ uint32_t hysgen_board_power_on(board_t *board)
 {
     (void)board;
     return chip_read(CHIP_RESET_TYPE) & CHIP_RESET_POWER_ON;
+}
+
+/* Of c6748.ld: the shared RAM. */
+extern volatile uint16_t hysgen_start_shared[];
+
+volatile uint16_t *hysgen_board_record(board_t *board)
+{
+    (void)board;
+    return hysgen_start_shared;
 }
 
 void hysgen_board_alive(board_t *board)

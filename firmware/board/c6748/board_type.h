@@ -37,6 +37,7 @@
 #define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
 #define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
 #define BOARD_HIGH_UM          13.1077f
+#define BOARD_RECORD           65536u       /* words of the shared RAM, which is theirs: samples of a record */
 
 #define BOARD_PERIOD           500u         /* ticks of the crystal in 20 us: CHIP_OSCILLATOR_HZ / 50000 */
 #define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */

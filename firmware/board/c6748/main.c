@@ -1,5 +1,5 @@
-/* main.c: owns the one instance of everything. Interrupt 4 comes to hysgen_main_tick: from start.s, or, with TI's tools, from the
- * vector table of your project. */
+/* main.c: owns the one instance of everything. Interrupt 4 comes to hysgen_main_tick: from start.s, or, with TI's tools, from a
+ * vector table of yours (docs/firmware.md). */
 
 #include <stddef.h>
 

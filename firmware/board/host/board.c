@@ -106,6 +106,11 @@ uint32_t hysgen_board_power_on(board_t *board)
     return (uint32_t)(board->restarted == 0u);
 }
 
+volatile uint16_t *hysgen_board_record(board_t *board)
+{
+    return board->record;
+}
+
 void hysgen_board_alive(board_t *board)
 {
     board->alive += 1u;

@@ -22,6 +22,7 @@
 #define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
 #define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
 #define BOARD_HIGH_UM          13.1077f
+#define BOARD_RECORD           65536u
 
 #define HOST_NO_CUT 0xFFFFFFFFu
 #define HOST_LINE   512u  /* bytes from the firmware until the test takes them */
@@ -53,6 +54,7 @@ typedef struct board {
     uint32_t ready_after;       /* its OK pin is high from this number on, and low while it is off */
     uint32_t restarted;         /* the next boot is no power on */
     uint32_t kept[2];
+    uint16_t record[BOARD_RECORD];
     uint32_t alive;             /* calls of hysgen_board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */

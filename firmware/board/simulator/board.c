@@ -96,6 +96,11 @@ uint32_t hysgen_board_power_on(board_t *board)
     return 1u;
 }
 
+volatile uint16_t *hysgen_board_record(board_t *board)
+{
+    return board->record;
+}
+
 void hysgen_board_alive(board_t *board)
 {
     (void)board;

@@ -13,12 +13,14 @@
 #define BOARD_SAFE_V           0.0f         /* put out while settings are refused, whatever they say */
 #define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
 #define BOARD_HIGH_UM          13.1077f
+#define BOARD_RECORD           4096u
 
 typedef struct {
     float reading_um;
     float reference_um;
     float output_V;
     uint32_t kept[2];
+    uint16_t record[BOARD_RECORD];
     uint32_t enabled;             /* the amplifier is switched on */
     uint8_t in[SIMULATED_LINE];   /* bytes on the line to the firmware, */
     uint32_t in_first;

@@ -30,6 +30,7 @@ HEADERS: Final = (
     "board_type.h",
     "settings.h",
     "status.h",
+    "play.h",
     "trim.h",
     "watchdog.h",
     "controller.h",
@@ -64,6 +65,7 @@ class State(IntEnum):
     FALL = 7
     TRIP = 8
     TRIPPED = 9
+    PLAY = 10
 
 
 class Request(IntEnum):
@@ -72,6 +74,7 @@ class Request(IntEnum):
     START = 1
     STOP = 2
     CLEAR = 3
+    RECORD = 4
 
 
 class FirmwareStatus(IntFlag):

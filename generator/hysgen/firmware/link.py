@@ -5,13 +5,19 @@ from __future__ import annotations
 import struct
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final, Protocol, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.host import State
+from hysgen.firmware.host import FirmwareStatus, Request, State
 from hysgen.firmware.image import ANSWERS, NO_KEY, Label, encode
 from hysgen.firmware.wire import ANSWER, CODES, PROTOCOL, Command, Identity, LinkStatus, command, payload, pieces
 from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
 
 BAUD: Final = 115_200
 TIMEOUT_S: Final = 0.5
@@ -35,6 +41,36 @@ class Line(Protocol):
     def close(self) -> None:
         """Give the line back."""
         ...
+
+
+CODES_16: Final = 65535
+"""Largest code of a voltage or reading on the line (play.h)."""
+
+
+def read_table(file: Path) -> tuple[Floats, Floats]:
+    """Times in s and voltages in V of a text file: `time_s,voltage_V`, then a row of both for each; '#' is a comment.
+
+    Raises ModelError for anything else.
+    """
+    try:
+        rows = [row.split(",") for row in file.read_text(encoding="utf-8").split("\n") if row and row[0] != "#"]
+        table = np.array(rows[1:], float)
+    except OSError as fault:
+        raise ModelError(f"{file}: cannot be read ({fault.strerror})") from fault
+    except ValueError:
+        rows, table = [], np.zeros(0)
+    if not rows or rows[0] != ["time_s", "voltage_V"] or table.ndim != 2 or not np.isfinite(table).all():
+        raise ModelError(f"{file}: is no table of voltages; its first row is time_s,voltage_V, its others are numbers")
+    if (np.diff(table[:, 0]) <= 0.0).any():
+        raise ModelError(f"{file}: its times do not rise")
+    return table[:, 0], table[:, 1]
+
+
+def record_text(time_s: Floats, voltage_V: Floats, reading_um: Floats) -> str:
+    """The text of a record, for `hysgen diagnose`; arrays (n,) of `Client.record`."""
+    rows = zip(time_s.tolist(), voltage_V.tolist(), reading_um.tolist(), strict=True)
+    lines = (f"{t:.9g},{u:.9g},{y:.9g}" for t, u, y in rows)
+    return "\n".join(("# hysgen link record", "time_s,voltage_V,displacement_um", *lines, ""))
 
 
 def open_line(port: str, baud: int = BAUD) -> Line:
@@ -68,17 +104,18 @@ class Client:
 
     def identity(self) -> Identity:
         """What the firmware was built from."""
-        found = Identity.unpack(self._ask(Command.IDENTIFY))
-        if found.protocol != PROTOCOL:
-            raise HysgenError(f"the firmware speaks version {found.protocol} of the link, this hysgen {PROTOCOL}")
-        return found
+        data = self._ask(Command.IDENTIFY)
+        (protocol,) = struct.unpack_from("<I", data)
+        if protocol != PROTOCOL:
+            raise HysgenError(f"the firmware speaks version {protocol} of the link, this hysgen {PROTOCOL}")
+        return Identity.unpack(data)
 
     def status(self) -> LinkStatus:
         """State, status and counters now."""
         return LinkStatus.unpack(self._ask(Command.STATUS))
 
     def request(self, request: int) -> None:
-        """Ask for START, STOP or CLEAR (`hysgen.firmware.host.Request`), which the next sample takes."""
+        """Ask for START, STOP, CLEAR or RECORD (`hysgen.firmware.host.Request`), which the next sample takes."""
         self._ask(Command.REQUEST, bytes([request]))
 
     def reference(self, reference_um: float | None) -> None:
@@ -112,6 +149,45 @@ class Client:
         identity, status = self.identity(), self.status()
         label = Label(identity.device, identity.build, status.counter + 1)
         return self.install(encode(model, label, key), progress)
+
+    def record(
+        self, times_s: Floats, voltages_V: Floats, progress: Callable[[float], None] = lambda _: None
+    ) -> tuple[Floats, Floats, Floats]:
+        """Play a table of voltages, straight lines between its rows, from rest to rest without model and feedback.
+
+        times_s, voltages_V: (rows,), times rising. Returns time [s], voltage as put out [V] and reading [um], NaN for
+        none, one row per sample of the firmware: u(k) is put out once y(k) is read. Raises ModelError for a table that
+        the converters cannot put out or the firmware's memory cannot hold, HysgenError if it ended early.
+        """
+        identity = self.identity()
+        period_s = 1e-9 * identity.period_ns
+        # Half a period more: the last row belongs to the table, whatever its time is rounded to.
+        time_s = np.arange(int((times_s[-1] - times_s[0]) / period_s + 0.5) + 1) * period_s
+        voltage_V = np.interp(times_s[0] + time_s, times_s, voltages_V)
+        if time_s.size > identity.record:
+            raise ModelError(f"{time_s[-1]:.6g} s are {time_s.size} samples; the firmware records {identity.record}")
+        if voltage_V.min() < identity.low_V or voltage_V.max() > identity.high_V:
+            raise ModelError(f"voltages beyond {identity.low_V:g} .. {identity.high_V:g} V, the range of the D/A")
+        step_V, step_um = (identity.high_V - identity.low_V) / CODES_16, (identity.high_um - identity.low_um) / CODES_16
+        codes = np.rint((voltage_V - identity.low_V) / step_V).astype("<u2")
+        for piece in pieces(codes.tobytes()):
+            self._ask(Command.TABLE, piece)
+            progress(0.5 * struct.unpack_from("<I", piece)[0] / (2 * codes.size))
+        self.request(Request.RECORD)
+        while (status := self.status()).state not in (State.OFF, State.TRIPPED):
+            continue
+        data, done = b"", codes.size
+        while len(data) < 2 * done:
+            answer = self._ask(Command.RECORD, struct.pack("<I", len(data)))
+            (done,) = struct.unpack_from("<I", answer)
+            data += answer[4:]
+            progress(0.5 + 0.5 * min(1.0, len(data) / (2 * codes.size)))
+        if done < codes.size:
+            bits = FirmwareStatus(status.status).name or "STOP"
+            raise HysgenError(f"the table ended in front of row {done} of {codes.size} of its samples: {bits}")
+        read = np.frombuffer(data, "<u2", done)
+        reading_um = np.where(read == 0, np.nan, identity.low_um + step_um * read)
+        return time_s, identity.low_V + step_V * codes, reading_um
 
     def _ask(self, kind: Command, data: bytes = b"") -> bytes:
         """The data of the answer; the command is repeated where an answer does not come."""

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-PROTOCOL: Final = 2
+PROTOCOL: Final = 3
 ANSWER: Final = 0x80
 CHUNK: Final = 64
-"""Bytes of a parameter image in one frame."""
+"""Bytes of a parameter image, table or record in one frame."""
 
 
 class Command(IntEnum):
@@ -29,6 +29,8 @@ class Command(IntEnum):
     REFERENCE = 3
     IMAGE = 4
     IDENTIFY = 5
+    TABLE = 6
+    RECORD = 7
 
 
 CODES: Final = ("done", "no such command", "too few or too many data", "a value out of range or order")
@@ -72,12 +74,17 @@ class LinkStatus:
         return cls(*struct.unpack("<4I4f11I", data))
 
 
+IDENTITY: Final = struct.Struct("<6IQ?3x5I8fI")
+"""Words of the answer to IDENTIFY, in front of the model's name."""
+
+
 @dataclass(frozen=True)
 class Identity:
     """Answer to IDENTIFY: the firmware as built.
 
     digest: of the structure that parameter images must fit. build, device, keyed: see `Label` and `Owner` of
-    `hysgen.firmware.image`. image_bytes: size of a parameter image.
+    `hysgen.firmware.image`. image_bytes: size of a parameter image. low_V .. high_V, low_um .. high_um: of the
+    converters. record: samples that a record holds.
     """
 
     protocol: int
@@ -94,34 +101,18 @@ class Identity:
     y_max_um: float
     u_min_V: float
     u_max_V: float
+    low_V: float
+    high_V: float
+    low_um: float
+    high_um: float
+    record: int
     name: str
 
     @classmethod
     def unpack(cls, data: bytes) -> Identity:
         """Raises struct.error for too few data."""
-        size = struct.calcsize("<6IQI5I4f")
-        protocol, *digest, build, device, keyed, period, preview, image, rules, weights, y0, y1, u0, u1 = struct.unpack(
-            "<6IQI5I4f", data[:size]
-        )
-        a, b, c, d = digest
-        name = data[size:].decode("ascii", "replace")
-        return cls(
-            protocol,
-            (a, b, c, d),
-            build,
-            device,
-            bool(keyed),
-            period,
-            preview,
-            image,
-            rules,
-            weights,
-            y0,
-            y1,
-            u0,
-            u1,
-            name,
-        )
+        protocol, a, b, c, d, *words = IDENTITY.unpack_from(data)
+        return cls(protocol, (a, b, c, d), *words, data[IDENTITY.size :].decode("ascii", "replace"))
 
 
 def frame(payload: bytes) -> bytes:
