@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import Direct, compiled, image
+from fixtures.firmware_bench import Direct, compiled, image, sine
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.binding import with_learner
@@ -40,7 +40,7 @@ def wave_V(samples: int) -> np.ndarray:
     k = np.arange(samples)
     share = 0.1 + 0.9 * np.abs(2.0 * ((1.5 * k / samples) % 1.0) - 1.0)
     turns = np.cumsum(np.select([3 * k < samples, 3 * k < 2 * samples], [100.0, 50.0], 25.0)) * TS_S
-    return 39.0 + 17.0 * share * np.sin(2.0 * np.pi * turns)
+    return 39.0 + 18.0 * share * np.sin(2.0 * np.pi * turns)
 
 
 def test_a_record_holds_the_voltages_that_were_put_out_and_the_readings_before_them() -> None:
@@ -75,33 +75,29 @@ def test_a_table_between_whose_rows_are_many_samples_is_followed_in_straight_lin
     assert np.abs(voltage_V - np.interp(time_s, [0.0, 0.002, 0.004], [30.0, 50.0, 40.0])).max() < STEP_V
 
 
+STEPS_V, EDGE_V = np.repeat([30.0, 33.0], 10), np.array([58.5, 59.9, 60.9, 58.0])
+
+
 @pytest.mark.parametrize(
-    ("table_V", "row", "told"),
+    ("table_V", "fault", "told"),
     [
-        ([30.0] * 10 + [33.0] * 10, 10, "OUTPUT_SLEWED"),
-        ([58.5, 59.9, 60.9] + [58.0] * 9, 2, "OUTPUT_LIMITED"),
+        (STEPS_V, BoardFault.NONE, "row 10 of 20 .*OUTPUT_SLEWED"),
+        (EDGE_V, BoardFault.NONE, "row 2 of 4 .*OUTPUT_LIMITED"),
+        (wave_V(3000), BoardFault.AMPLIFIER, "row 2.. of 3000 .*FAULT_AMPLIFIER"),
+        (wave_V(3000), BoardFault.STUCK, "row 2.. of 3000 .*FAULT_STUCK"),
     ],
+    ids=["step", "edge", "amplifier", "stuck"],
 )
-def test_a_table_ends_in_front_of_a_voltage_beyond_the_limits(table_V: list[float], row: int, told: str) -> None:
+def test_a_table_ends_at_a_fault_and_before_a_voltage_beyond_limits(
+    table_V: np.ndarray, fault: BoardFault, told: str
+) -> None:
     firmware, client = board(Settings(ramp_V=0.5, high_V=60.0))
-    with pytest.raises(HysgenError, match=f"in front of row {row} of {len(table_V)} .*{told}"):
-        client.record(np.arange(len(table_V)) * TS_S, np.array(table_V))
-    assert firmware.state is State.OFF
-    assert firmware.board.output_V == 0.0
-
-
-@pytest.mark.parametrize(
-    ("fault", "value", "told"),
-    [(BoardFault.AMPLIFIER, 0.0, "FAULT_AMPLIFIER"), (BoardFault.STUCK, 0.0, "FAULT_STUCK")],
-)
-def test_a_fault_ends_the_table_and_brings_the_voltage_down(fault: BoardFault, value: float, told: str) -> None:
-    firmware, client = board()
-    # 95 commands before the table is played, 180 samples until its first row.
-    firmware.fail(fault, value, after=9900)
+    # 95 commands of 100 samples before the table is played, 180 samples until its first row.
+    firmware.fail(fault, after=9900)
     with pytest.raises(HysgenError, match=told):
-        client.record(np.arange(3000) * TS_S, wave_V(3000))
-    assert firmware.state is State.TRIPPED
-    assert firmware.board.output_V == 0.0
+        client.record(np.arange(table_V.size) * TS_S, table_V)
+    assert firmware.state is (State.TRIPPED if fault else State.OFF)
+    assert (firmware.board.output_V, firmware.board.enabled) == (0.0, 0)
 
 
 def test_a_reading_that_is_none_is_no_number_in_the_record() -> None:
@@ -114,21 +110,15 @@ def test_a_reading_that_is_none_is_no_number_in_the_record() -> None:
 
 def test_tables_that_cannot_be_put_out_are_refused_before_anything_moves(tmp_path: Path) -> None:
     firmware, client = board()
-    for times_s, table_V, words in (
-        ([0.0, 2.0], [30.0, 40.0], "100001 samples; the firmware records 65536"),
-        ([0.0, 0.1], [30.0, 140.0], "beyond -20 .. 120 V"),
-    ):
-        with pytest.raises(ModelError, match=words):
-            client.record(np.array(times_s), np.array(table_V))
+    with pytest.raises(ModelError, match="100001 samples; the firmware records 65536"):
+        client.record(np.array([0.0, 2.0]), np.array([30.0, 40.0]))
+    with pytest.raises(ModelError, match=r"beyond -20 \.\. 120 V"):
+        client.record(np.array([0.0, 0.1]), np.array([30.0, 140.0]))
     assert firmware.state is State.OFF
     file = tmp_path / "table.csv"
-    for text, words in (
-        ("voltage_V,time_s\n0,1\n", "no table"),
-        ("time_s,voltage_V\n0,x\n", "no table"),
-        ("time_s,voltage_V\n0,nan\n", "no table"),
-        ("time_s,voltage_V\n", "no table"),
-        ("time_s,voltage_V\n0,1\n0,2\n", "do not rise"),
-    ):
+    head = "time_s,voltage_V\n"
+    texts = {"voltage_V,time_s\n0,1\n": "no table", f"{head}0,x\n": "no table", f"{head}0,nan\n": "no table"}
+    for text, words in (texts | {head: "no table", f"{head}0,1\n0,2\n": "do not rise"}).items():
         file.write_text(text)
         with pytest.raises(ModelError, match=words):
             read_table(file)
@@ -175,31 +165,28 @@ def test_a_start_that_would_not_be_taken_is_not_answered_by_done() -> None:
     assert code(firmware, Command.REQUEST, start) == 3
 
 
-def errors_um(chosen: str | Path, references_um: np.ndarray) -> np.ndarray:
-    """Tracking errors of the firmware with a model, open loop, on a stage of its own, behind the first period."""
+def errors_nm(chosen: str | Path) -> float:
+    """Tracking error (rms) at 50 Hz of the firmware with a model, open loop, on a stage of its own."""
     driven = with_learner(load_model(chosen))
-    built = image() if chosen == "appendix_a" else compiled(driven)
-    firmware = HostFirmware(built, stage(6), Settings(ramp_V=0.05, follow_um=3.0))
-    firmware.start(float(references_um[0]))
-    assert firmware.state is State.TRACK
-    ahead = preview(driven.blocks) + 1
+    settings = Settings(ramp_V=0.05, follow_um=3.0, loop_low_V=23.0, loop_high_V=55.0)
+    firmware = HostFirmware(image() if chosen == "appendix_a" else compiled(driven), stage(6), settings)
+    firmware.start(2.0)
+    ahead, references_um = preview(driven.blocks) + 1, sine(5000)
     log = firmware.run(references_um)
-    assert firmware.state is State.TRACK
-    return (log.reading_um[ahead:] - references_um[:-ahead])[1000:]
+    assert (log.state == State.TRACK).all()
+    return float(1e3 * np.sqrt(np.mean((log.reading_um[ahead:] - references_um[:-ahead])[1000:] ** 2)))
 
 
 @pytest.mark.slow
 def test_from_board_to_record_to_diagnosis_to_image_to_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The stage is the laboratory's, not a model; the firmware that takes the record drives another one."""
     monkeypatch.chdir(tmp_path)
-    table_V = wave_V(24_000)
-    rows = zip(np.arange(table_V.size) * TS_S, table_V, strict=True)
-    Path("table.csv").write_text("time_s,voltage_V\n" + "".join(f"{t:.9g},{u:.9g}\n" for t, u in rows))
+    table_V = wave_V(18_000)
+    rows = (f"{TS_S * k:.9g},{u_V:.9g}" for k, u_V in enumerate(table_V))
+    Path("table.csv").write_text("\n".join(("time_s,voltage_V", *rows, "")))
     firmware, _ = board()
     monkeypatch.setattr("hysgen.cli.verbs.link.open_line", lambda *_: Direct(firmware, samples=500))
     assert main(["link", "port", "record", "table.csv", "-o", "record.csv"]) == 0
     assert main(["diagnose", "record.csv", "-o", "stage.json"]) == 0
-    references_um = 2.0 + 0.6 * np.sin(2 * np.pi * 50.0 * TS_S * np.arange(5000))
-    before_um, after_um = errors_um("appendix_a", references_um), errors_um(Path("stage.json"), references_um)
-    assert np.sqrt(np.mean(after_um**2)) < 0.2 * np.sqrt(np.mean(before_um**2))
-    print(f"{1e3 * np.sqrt(np.mean(before_um**2)):.1f} -> {1e3 * np.sqrt(np.mean(after_um**2)):.1f} nm")
+    # 147 and 22 nm when it was written; of the 22, 21.8 are the mean, creep behind the start.
+    assert errors_nm(Path("stage.json")) < 0.2 * errors_nm("appendix_a")
