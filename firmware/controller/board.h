@@ -13,8 +13,8 @@
 #define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
 #define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not on (yet) */
 
-/* board_type.h also has BOARD_LOW_V .. BOARD_HIGH_V and BOARD_LOW_UM .. BOARD_HIGH_UM, the ranges of the converters, BOARD_SAFE_V, and
- * BOARD_RECORD, a power of two. */
+/* board_type.h also has BOARD_LOW_V .. BOARD_HIGH_V and BOARD_LOW_UM .. BOARD_HIGH_UM, the ranges of the converters, BOARD_SAFE_V,
+ * BOARD_RECORD, a power of two, and BOARD_PERIOD_CYCLES, cycles of the processor from one interrupt to the next. */
 #define BOARD_SLOTS       2u
 #define BOARD_SLOT_BYTES  4096u
 

@@ -1,10 +1,14 @@
 #include "controller.h"
 
 #include "bank.h"
+#include "board.h"
 #include "number.h"
 
 /* A change of the voltage from this part of the largest one on counts as the largest one: rounding loses the rest. */
 #define CONTROLLER_WHOLE_STEP 0.99f
+
+/* Change of the reference per volt of the ramp while it is approached: the mean slope of the model. */
+#define CONTROLLER_UM_PER_V ((MODEL_Y_MAX_UM - MODEL_Y_MIN_UM) / (MODEL_U_MAX_V - MODEL_U_MIN_V))
 
 /* LOOP: largest difference between the strokes of stage and model, as a share of the model's stroke. */
 #define CONTROLLER_STROKE_SHARE 0.45f
@@ -224,7 +228,8 @@ static void controller_take_over(controller_t *self)
 static float controller_loop(controller_t *self)
 {
     const settings_t *settings = self->settings;
-    const float target_V = (self->upward != 0u) ? settings->loop_high_V : settings->loop_middle_V;
+    const float middle_V = 0.5f * (settings->loop_low_V + settings->loop_high_V);
+    const float target_V = (self->upward != 0u) ? settings->loop_high_V : middle_V;
     const float u_V = controller_towards(self->output_V, target_V, settings->ramp_V);
 
     if (u_V == target_V) {
@@ -325,7 +330,7 @@ static float controller_voltage(controller_t *self, float reference_um)
         }
         break;
     case CONTROLLER_APPROACH:
-        next_um = controller_reference(self, reference_um, settings->approach_um);
+        next_um = controller_reference(self, reference_um, CONTROLLER_UM_PER_V * settings->ramp_V);
         u_V = controller_follow(self, next_um);
         if (next_um == controller_in_range(self, self->wanted_um)) {
             self->state = CONTROLLER_TRACK;
@@ -348,7 +353,7 @@ static float controller_voltage(controller_t *self, float reference_um)
         }
         break;
     case CONTROLLER_TRIP:
-        u_V = controller_towards(self->output_V, settings->off_V, settings->fall_V);
+        u_V = controller_towards(self->output_V, settings->off_V, settings->ramp_V);
         if (u_V == settings->off_V) {
             self->state = CONTROLLER_TRIPPED;
         }
@@ -462,8 +467,7 @@ void hysgen_controller_learn(controller_t *self)
 
 void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since)
 {
-    const uint32_t period = self->settings->period_cycles;
-    const uint32_t lost = (uint32_t)(since > period + (period >> 1));
+    const uint32_t lost = (uint32_t)(since > BOARD_PERIOD_CYCLES + (BOARD_PERIOD_CYCLES >> 1));
 
     if (lost != 0u) {
         self->status |= STATUS_INTERRUPT_LOST;

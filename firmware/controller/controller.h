@@ -7,13 +7,13 @@
  *     any of them -> TRIP -> TRIPPED -> OFF                        fault; back to OFF by `clear` only
  *
  * The amplifier is on from POWER to OFF or TRIPPED, and a fault in OFF or POWER leads to TRIPPED without TRIP. POWER waits until the
- * amplifier has been good for power_samples in a row; only behind it is a failure of the amplifier a fault. RISE goes to the loop's low voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of
- * model and stage no longer depends on earlier voltages, and the stage must move as far on the way back as the model does, within 45 % of
- * the model's stroke.
+ * amplifier has been good for power_samples in a row; only behind it is a failure of the amplifier a fault. RISE goes to the loop's low
+ * voltage. LOOP goes from there to its high one and back to the middle: the hysteresis of model and stage no longer depends on earlier
+ * voltages, and the stage must move as far on the way back as the model does, within 45 % of the model's stroke.
  * HOLD waits until the lag has decayed and takes the mean offset between stage and model (the sensor's zero, and earlier
  * creep), which must lie within +-offset_um: the only reading that the feed-forward ever uses. APPROACH
- * brings the reference from where the model is to where the caller wants it, TRACK follows it. PLAY puts out the voltages of a table,
- * without model and feedback, and ends in front of the first one that the limits of the output would change. */
+ * brings the reference, about as fast as the ramp, from where the model is to where the caller wants it, TRACK follows it. PLAY puts out
+ * the voltages of a table, without model and feedback, and ends in front of the first one that the limits of the output would change. */
 
 #ifndef CONTROLLER_H
 #define CONTROLLER_H

@@ -16,8 +16,9 @@ typedef struct {
 #define SETTINGS_LONGEST  30000000u  /* samples of a state: 10 minutes */
 #define SETTINGS_SLOWEST  50000u     /* samples until a guard acts: a second */
 
-/* Trim gains up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
-#define SETTINGS_TRIM_PROPORTION  0.4f
+#define SETTINGS_SHORTEST 64u        /* samples of HOLD: a mean of so many readings has an eighth of their noise */
+
+/* Trim gain up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
 #define SETTINGS_TRIM_INTEGRAL    (0.1f / ((float)MODEL_PREVIEW + 1.0f))
 
 const char *hysgen_settings_check(const settings_t *settings)
@@ -37,22 +38,14 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "off_V", s->off_V, s->low_V, s->high_V },
         { "step_V", s->step_V, least, range_V },
         { "ramp_V", s->ramp_V, least, s->step_V },
-        { "fall_V", s->fall_V, least, s->step_V },
         { "ramp_V", s->ramp_V * time, range_V, NUMBER_LARGEST },
-        { "fall_V", s->fall_V * time, range_V, NUMBER_LARGEST },
         { "loop_low_V", s->loop_low_V, low_V, high_V },
         { "loop_high_V", s->loop_high_V, s->loop_low_V + least, high_V },
-        { "loop_middle_V", s->loop_middle_V, s->loop_low_V, s->loop_high_V },
         { "offset_um", s->offset_um, least, range_um },
-        { "approach_um", s->approach_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
-        { "low_um", s->low_um, BOARD_LOW_UM, BOARD_HIGH_UM },
-        { "high_um", s->high_um, s->low_um, BOARD_HIGH_UM },
         { "stuck_V", s->stuck_V, least, MODEL_U_MAX_V - MODEL_U_MIN_V },
         { "follow_um", s->follow_um, least, range_um },
         { "trim_integral", s->trim_integral, 0.0f, SETTINGS_TRIM_INTEGRAL },
-        { "trim_proportion", s->trim_proportion, 0.0f, SETTINGS_TRIM_PROPORTION },
-        { "trim_smoothing", s->trim_smoothing, 0.0f, 1.0f },
         { "trim_limit_um", s->trim_limit_um, 0.0f, 0.5f * range_um },
     };
     const struct {
@@ -64,11 +57,9 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "options", s->options, 0u, SETTINGS_TRIM | SETTINGS_LEARN | SETTINGS_KEEP | SETTINGS_NO_OFFSET },
         { "state_samples", s->state_samples, 1u, SETTINGS_LONGEST },
         { "power_samples", s->power_samples, 1u, s->state_samples - 1u },
-        { "hold_samples", s->hold_samples, 1u, s->state_samples - 1u },
-        { "stuck_samples", s->stuck_samples, 1u, SETTINGS_SLOWEST },
+        { "hold_samples", s->hold_samples, SETTINGS_SHORTEST, s->state_samples - 1u },
         { "follow_samples", s->follow_samples, 1u, SETTINGS_SLOWEST },
         { "bad_samples", s->bad_samples, 1u, SETTINGS_SLOWEST },
-        { "period_cycles", s->period_cycles, 1u, 0x7FFFFFFFu },
     };
     const char *wrong = NULL;
 

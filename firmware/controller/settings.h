@@ -20,19 +20,16 @@ typedef struct {
     float low_V;
     float high_V;
     float step_V;   /* largest change per sample */
-    float ramp_V;   /* change per sample of start and stop */
-    float fall_V;   /* change per sample on the way down after a fault */
+    float ramp_V;   /* change per sample of start, stop and the way down after a fault; the reference is approached about as fast */
 
     /* Start: samples in a row in which the amplifier, switched on, tells no limit and no failure until the stage moves; */
     uint32_t power_samples;
-    /* the loop from low over high to middle that sets the hysteresis, inside the model's range; hold_samples of
+    /* the loop from low over high to the middle that sets the hysteresis, inside the model's range; hold_samples of
      * rest, in which the offset between stage and model is taken; then the way to the reference. */
     float loop_low_V;
     float loop_high_V;
-    float loop_middle_V;
     uint32_t hold_samples;
     float offset_um;         /* largest offset of the stage from the model, either way */
-    float approach_um;  /* change of the reference per sample until it is caught */
 
     /* Longest time in POWER, RISE, LOOP, HOLD, APPROACH, FALL or TRIP, each. */
     uint32_t state_samples;
@@ -40,32 +37,27 @@ typedef struct {
     /* Reference. */
     float reference_step_um;  /* largest change per sample */
 
-    /* Watchdog. Readings outside low_um .. high_um are no displacements. */
-    float low_um;
-    float high_um;
-    float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit, */
-    uint32_t stuck_samples;    /* for at least so many samples */
+    /* Watchdog. Readings outside BOARD_LOW_UM .. BOARD_HIGH_UM are no displacements. */
+    float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit */
     /* |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
      * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. */
     float follow_um;
     uint32_t follow_samples;   /* and for how many samples (leaky count, see watchdog.h) */
     uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
-    uint32_t period_cycles;    /* of the processor from one interrupt to the next: none may take longer */
 
     /* Feedback trim, see trim.h. */
     float trim_integral;    /* share of the residual that one sample adds */
-    float trim_proportion;  /* of the smoothed residual */
-    float trim_smoothing;   /* share of the way to the new residual per sample */
     float trim_limit_um;
 
     /* Learning: samples between two attempts to commit. */
     uint32_t commit_pause;
 } settings_t;
 
-/* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V and low_um .. high_um inside the
- * board's; low_V < off_V, loop < high_V, the loop inside the model's range of inputs; ramp_V and fall_V at most step_V, and such that they cross low_V .. high_V in
- * state_samples, which are 10 minutes at most; no guard looser than the model's range or slower than a second; trim gains for which the loop of trim, stage and
- * delay is stable for stages of half to one and a half of the model's gain (tests/firmware/test_trim.py). */
+/* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's; low_V < off_V,
+ * loop < high_V, the loop inside the model's range of inputs; ramp_V at most step_V, and such that it crosses low_V .. high_V in
+ * state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the model's range or slower than a
+ * second; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and a half of the model's gain
+ * (tests/firmware/test_trim.py). */
 const char *hysgen_settings_check(const settings_t *settings);
 
 #endif

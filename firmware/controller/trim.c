@@ -4,8 +4,6 @@
 
 void hysgen_trim_init(trim_t *self)
 {
-    self->integral_um = 0.0f;
-    self->smooth_um = 0.0f;
     self->correction_um = 0.0f;
 }
 
@@ -14,14 +12,10 @@ uint32_t hysgen_trim_step(trim_t *self, const settings_t *settings, float residu
     const float limit = settings->trim_limit_um;
     const uint32_t winds = (uint32_t)(((limited > 0) && (residual_um > 0.0f))
                                       || ((limited < 0) && (residual_um < 0.0f)));
-    const float moved = self->integral_um + settings->trim_integral * residual_um;
-    float correction;
+    const float moved = self->correction_um + settings->trim_integral * residual_um;
 
     if (winds == 0u) {
-        self->integral_um = number_limited(moved, -limit, limit);
+        self->correction_um = number_limited(moved, -limit, limit);
     }
-    self->smooth_um = self->smooth_um + settings->trim_smoothing * (residual_um - self->smooth_um);
-    correction = self->integral_um + settings->trim_proportion * self->smooth_um;
-    self->correction_um = number_limited(correction, -limit, limit);
-    return (uint32_t)(number_size(correction) >= limit);
+    return (uint32_t)(number_size(self->correction_um) >= limit);
 }

@@ -1,7 +1,6 @@
-/* trim.h: feedback trim, a PI controller on the residual of the feed-forward.
+/* trim.h: feedback trim, an integral controller on the residual of the feed-forward.
  *
- *     e(k) = r(k) - y(k),   f(k) = f(k-1) + smoothing (e(k) - f(k-1))
- *     i(k) = i(k-1) + integral e(k),   c(k) = i(k) + proportion f(k),   both limited to +-limit
+ *     e(k) = r(k) - y(k),   c(k) = c(k-1) + integral e(k), limited to +-limit
  *
  * c [um] is added to the reference that the inverse is asked for: the correction passes through the model, so the
  * model's memory sees the voltage that the stage sees. Anti-windup: while the output is at a limit the integral does not
@@ -15,8 +14,6 @@
 #include "settings.h"
 
 typedef struct {
-    float integral_um;
-    float smooth_um;
     float correction_um;
 } trim_t;
 

@@ -29,7 +29,7 @@ static void watchdog_restart(watchdog_count_t *count)
 
 void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
 {
-    self->reading_um = number_limited(0.0f, settings->low_um, settings->high_um);
+    self->reading_um = number_limited(0.0f, BOARD_LOW_UM, BOARD_HIGH_UM);
     self->sample_um = self->reading_um;
     watchdog_restart(&self->unread);
     self->same_V = settings->off_V;
@@ -46,7 +46,7 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
 
     if (number_finite(y_um) == 0u) {
         status |= STATUS_SENSOR_INVALID;
-    } else if ((y_um < settings->low_um) || (y_um > settings->high_um)) {
+    } else if ((y_um < BOARD_LOW_UM) || (y_um > BOARD_HIGH_UM)) {
         status |= STATUS_SENSOR_RANGE;
     } else if (number_bits(y_um) != number_bits(self->reading_um)) {
         self->reading_um = y_um;
@@ -59,7 +59,7 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
     if (watchdog_count(&self->unread, (uint32_t)(status != 0u), settings->bad_samples) != 0u) {
         status |= STATUS_FAULT_SENSOR;
     }
-    if ((self->same >= settings->stuck_samples) && (number_size(u_V - self->same_V) >= settings->stuck_V)) {
+    if ((self->same >= WATCHDOG_STUCK) && (number_size(u_V - self->same_V) >= settings->stuck_V)) {
         status |= STATUS_FAULT_STUCK;
     }
     return status;
@@ -87,7 +87,7 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
 
 uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
 {
-    const uint32_t late = (uint32_t)(cycles > settings->period_cycles) | overrun;
+    const uint32_t late = (uint32_t)(cycles > BOARD_PERIOD_CYCLES) | overrun;
 
     if (watchdog_count(&self->late, late, settings->bad_samples) != 0u) {
         return STATUS_DEADLINE_MISSED | STATUS_FAULT_DEADLINE;

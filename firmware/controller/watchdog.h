@@ -12,6 +12,10 @@
  * ones (1.1 ms): sparse noise never adds up, and trim and learner have at least 8 of 9 readings. */
 #define WATCHDOG_LEAK 8u
 
+/* Samples for which a reading repeats itself at least until it counts as stuck: more than delay and lag of a stage, so that a jump of the
+ * input does not count before the sensor can have seen it. */
+#define WATCHDOG_STUCK 64u
+
 /* Bad samples of the amplifier's failure until it counts: 60 us of a broken wire, not a spike on it. */
 #define WATCHDOG_DEBOUNCE 3u
 

@@ -205,8 +205,8 @@ def as_settings(settings: Any) -> dict[str, float]:
 
 
 SHORT_WAYS = Settings(
-    trim=True, learn=True, step_V=2.0, ramp_V=0.5, fall_V=0.5, loop_low_V=24.0, loop_high_V=54.0, hold_samples=64,
-    approach_um=0.01, reference_step_um=0.05, follow_um=3.0, commit_pause=1, power_samples=16,
+    trim=True, learn=True, step_V=2.0, ramp_V=0.5, loop_low_V=24.0, loop_high_V=54.0, hold_samples=64,
+    reference_step_um=0.05, follow_um=3.0, commit_pause=1, power_samples=16,
 )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from fixtures.firmware_bench import REFERENCE_UM, booted, model
 from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, Request, Settings, State
 from hysgen.firmware.image import Label, encode
 
-PERIOD = Settings().period_cycles
+PERIOD = 7500
 MAGIC = 0x4C414553
 
 
@@ -76,9 +76,9 @@ def test_an_interrupt_counts_as_lost_beyond_one_and_a_half_periods() -> None:
 
 
 def test_an_interrupt_is_late_beyond_its_budget() -> None:
-    firmware = booted(Settings(period_cycles=5000))
-    assert spent(firmware, BoardFault.LATE, 5000) == 0
-    assert spent(firmware, BoardFault.LATE, 5001) == FirmwareStatus.DEADLINE_MISSED
+    firmware = booted()
+    assert spent(firmware, BoardFault.LATE, PERIOD) == 0
+    assert spent(firmware, BoardFault.LATE, PERIOD + 1) == FirmwareStatus.DEADLINE_MISSED
 
 
 @pytest.mark.parametrize(
@@ -111,8 +111,7 @@ def test_a_leaky_count_falls_by_one_for_eight_good_samples(pause: int) -> None:
 
 
 def test_readings_at_the_limits_of_the_sensor_count_and_beyond_them_do_not() -> None:
-    settings = Settings()
-    for limit, away in ((settings.low_um, -np.inf), (settings.high_um, np.inf)):
+    for limit, away in ((-3.276, -np.inf), (13.1077, np.inf)):
         for reading, status in ((np.float32(limit), 0), (np.nextafter(np.float32(limit), np.float32(away)), 2)):
             firmware = booted()
             firmware.fail(BoardFault.READING, float(reading), after=1, samples=1)
@@ -123,12 +122,12 @@ def test_readings_at_the_limits_of_the_sensor_count_and_beyond_them_do_not() -> 
 
 def test_a_stuck_sensor_is_a_fault_only_at_both_its_limits() -> None:
     """RISE from 0 V: sample k comes with k/32 V on the output, and is the k-th that repeats the reading."""
-    for stuck_samples, expected in ((10, 16), (16, 16), (17, 17), (40, 40)):
-        firmware = booted(Settings(power_samples=1, stuck_samples=stuck_samples, stuck_V=0.5, ramp_V=1 / 32))
+    for stuck_V, expected in ((1.0, 64), (2.0, 64), (2.03125, 65), (2.25, 72)):
+        firmware = booted(Settings(power_samples=1, stuck_V=stuck_V, ramp_V=1 / 32))
         firmware.request(Request.START)
         firmware.run(np.full(2, REFERENCE_UM))
         firmware.fail(BoardFault.STUCK)
-        state = firmware.run(np.full(60, REFERENCE_UM)).state
+        state = firmware.run(np.full(90, REFERENCE_UM)).state
         assert int(np.argmax(state == State.TRIP)) == expected
 
 

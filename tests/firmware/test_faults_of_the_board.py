@@ -164,7 +164,7 @@ def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> 
     rng = np.random.default_rng(7)
     for _ in range(20):
         firmware = tracking(
-            replace(SETTINGS, trim=True, bad_samples=50_000, follow_um=3.0, follow_samples=50_000, stuck_samples=50_000)
+            replace(SETTINGS, trim=True, bad_samples=50_000, follow_um=3.0, follow_samples=50_000, stuck_V=140.0)
         )
         before_V = firmware.board.output_V
         firmware.fail(BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)

@@ -145,7 +145,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             r"hysgen_board_amplifier_enable\(board, 0u\)",
             "hysgen_board_amplifier_enable(board, 1u)",
         ),
-        ("correction", "trim.c", r"number_limited\(correction, -limit, limit\)", "correction"),
+        ("correction", "trim.c", r"number_limited\(moved, -limit, limit\)", "moved"),
         (
             "stuck",
             "controller.c",

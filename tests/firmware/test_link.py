@@ -28,7 +28,7 @@ from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, im
 from hysgen_c674x.firmware.simulated import compile_image
 
 OWNER = Owner(bytes(range(16)), 0xABCDEF)
-QUICK = Settings(hold_samples=256, ramp_V=0.5, fall_V=0.5, approach_um=0.01)
+QUICK = Settings(hold_samples=256, ramp_V=0.5)
 
 
 def owned(settings: Settings = QUICK) -> HostFirmware:

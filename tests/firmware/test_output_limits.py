@@ -55,7 +55,7 @@ def test_model_and_stage_stay_the_same_to_the_bit_while_the_range_of_the_output_
     range_V: tuple[float, float],
 ) -> None:
     low_V, high_V = range_V
-    loop = {"loop_low_V": 32.0, "loop_high_V": 44.0, "loop_middle_V": 39.0}
+    loop = {"loop_low_V": 32.0, "loop_high_V": 44.0}
     settings = Settings(low_V=low_V, high_V=high_V, off_V=low_V, reference_step_um=0.5, **loop)
     wide_um = CENTRE_UM + 4.0 * (triangle_um(4000, 1) - CENTRE_UM)
     error_nm, firmware = apart_nm("appendix_a", settings, wide_um)

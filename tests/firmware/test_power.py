@@ -30,7 +30,7 @@ def test_an_amplifier_that_is_good_only_while_it_is_on_gets_on(ready_after: int)
 
 
 def test_an_amplifier_that_never_gets_good_is_a_fault_and_switched_off() -> None:
-    firmware = booted(Settings(power_samples=50, hold_samples=512, state_samples=2000, ramp_V=0.1, fall_V=0.1))
+    firmware = booted(Settings(power_samples=50, hold_samples=512, state_samples=2000, ramp_V=0.1))
     firmware.board.ready_after = 1 << 30
     firmware.start(REFERENCE_UM, 3000)
     assert (firmware.state, firmware.board.enabled) == (State.TRIPPED, 0)

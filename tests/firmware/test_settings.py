@@ -18,13 +18,12 @@ IMPOSSIBLE = [
     {"loop_high_V": 125.0},  # beyond the model's range
     {"state_samples": 4096, "ramp_V": 0.04},  # HOLD alone takes as long
     {"trim_integral": 1.0},  # the stage swings by 0.66 um for ever
-    {"trim_proportion": 30.0},
+    {"hold_samples": 63},  # one reading as the stage's zero
     {"trim_limit_um": 1e30},
-    {"step_V": 1e-6, "ramp_V": 1e-6, "fall_V": 1e-6},  # cannot come down
+    {"step_V": 1e-6, "ramp_V": 1e-6},  # cannot come down
     {"high_V": 150.0},  # the D/A would clip
     {"off_V": 150.0},
     {"off_V": 1e30},
-    {"low_um": -20.0},  # a rail of the A/D would be a reading
     {"follow_um": 1e30},  # a guard that never acts
     {"follow_samples": 4_000_000_000},
     {"stuck_V": 1e30},
@@ -80,7 +79,7 @@ def test_an_approach_that_never_arrives_is_a_fault() -> None:
 
 def test_a_fall_after_a_fault_that_takes_too_long_ends_at_the_largest_rate() -> None:
     firmware = tracking(Settings(state_samples=6000, ramp_V=0.03))
-    firmware._settings.fall_V = 1e-8  # which hysgen_settings_check refuses
+    firmware._settings.ramp_V = 1e-8  # which hysgen_settings_check refuses
     firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_AMPLIFIER)
     firmware.run(np.full(6100, REFERENCE_UM))
     assert firmware.state is State.TRIPPED
@@ -94,9 +93,7 @@ def test_a_voltage_within_one_step_is_reached_to_the_bit() -> None:
     # Without the exact end of the step one pair in six misses by an ulp: 40 pairs all hit once in 1500 runs.
     for _ in range(40):
         off_V, low_V = (float(each) for each in rng.uniform(-1.5, 1.5, 2).astype(np.float32))
-        settings = Settings(
-            power_samples=1, off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, fall_V=4.0, step_V=4.0
-        )
+        settings = Settings(power_samples=1, off_V=off_V, loop_low_V=low_V, loop_high_V=40.0, ramp_V=4.0, step_V=4.0)
         firmware = HostFirmware(image(), ModelStage(model(), 0.0), settings)
         firmware.request(Request.START)
         log = firmware.run(np.full(3, REFERENCE_UM))

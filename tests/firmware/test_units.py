@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import TRIM_INTEGRAL, TRIM_PROPORTION, ModelStage, model
+from fixtures.firmware_bench import TRIM_INTEGRAL, ModelStage, model
 from hysgen.firmware import host
 from hysgen.firmware.binding import build_id, firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings
@@ -53,36 +53,28 @@ def wrong_field(settings: Settings) -> str | None:
 
 
 LOW_V, HIGH_V = model().u_min_V, model().u_max_V
-BOARD_V, BOARD_UM = (-20.0, 120.0), (-3.276, 13.1077)
+BOARD_V = (-20.0, 120.0)
 RANGE_UM = np.float32(model().grid.y_max_um) - np.float32(model().grid.y_min_um)
-ROOMY = Settings(loop_low_V=0.0, loop_middle_V=20.0, low_V=BOARD_V[0], high_V=BOARD_V[1])
+ROOMY = Settings(loop_low_V=0.0, low_V=BOARD_V[0], high_V=BOARD_V[1])
 RANGES = {
     "low_V": (BOARD_V[0], None),
     "high_V": (ROOMY.low_V, BOARD_V[1]),
     "off_V": (ROOMY.low_V, ROOMY.high_V),
     "step_V": (LEAST, BOARD_V[1] - BOARD_V[0]),
     "ramp_V": (140 / ROOMY.state_samples, ROOMY.step_V),
-    "fall_V": (140 / ROOMY.state_samples, ROOMY.step_V),
     "loop_low_V": (LOW_V, HIGH_V),
     "loop_high_V": (LEAST, HIGH_V),
-    "loop_middle_V": (ROOMY.loop_low_V, ROOMY.loop_high_V),
     "offset_um": (LEAST, RANGE_UM),
-    "approach_um": (LEAST, RANGE_UM),
     "reference_step_um": (LEAST, RANGE_UM),
-    "low_um": (BOARD_UM[0], None),
-    "high_um": (ROOMY.low_um, BOARD_UM[1]),
     "stuck_V": (LEAST, HIGH_V - LOW_V),
     "follow_um": (LEAST, RANGE_UM),
     "trim_integral": (0.0, TRIM_INTEGRAL),
-    "trim_proportion": (0.0, TRIM_PROPORTION),
-    "trim_smoothing": (0.0, 1.0),
     "trim_limit_um": (0.0, RANGE_UM / 2),
 }
 COUNTS = {
     "state_samples": (None, 30_000_000),
-    "hold_samples": (1, ROOMY.state_samples - 1),
-    **{name: (1, 50_000) for name in ("stuck_samples", "follow_samples", "bad_samples")},
-    "period_cycles": (1, 2**31 - 1),
+    "hold_samples": (64, ROOMY.state_samples - 1),
+    **{name: (1, 50_000) for name in ("follow_samples", "bad_samples")},
 }
 
 
@@ -120,43 +112,26 @@ def test_every_option_may_be_set_and_a_fifth_is_refused() -> None:
 # Trim
 
 
-def trimmed(steps: list[tuple[float, int]]) -> list[tuple[float, float, float, int]]:
-    """(integral, smooth, correction, at the limit) after each (residual, limited), all exact in float32."""
-    gains = {"trim_integral": 0.25, "trim_proportion": 0.5, "trim_smoothing": 0.5, "trim_limit_um": 1.0}
-    trim, settings = new("trim_t *"), new("settings_t *", gains)
+def trimmed(steps: list[tuple[float, int]]) -> list[tuple[float, int]]:
+    """(correction, at the limit) after each (residual, limited), all exact in float32."""
+    trim, settings = new("trim_t *"), new("settings_t *", {"trim_integral": 0.25, "trim_limit_um": 1.0})
     called("trim_init", trim)
     states = []
     for residual, limited in steps:
         at_limit = called("trim_step", trim, settings, residual, limited)
-        states.append((trim.integral_um, trim.smooth_um, trim.correction_um, at_limit))
+        states.append((trim.correction_um, at_limit))
     return states
 
 
-def test_the_trim_is_a_pi_controller_by_hand() -> None:
-    assert trimmed([(1.0, 0), (1.0, 0), (-3.0, 0), (0.0, 0)]) == [
-        (0.25, 0.5, 0.5, 0),
-        (0.5, 0.75, 0.875, 0),
-        (-0.25, -1.125, -0.8125, 0),
-        (-0.25, -0.5625, -0.53125, 0),
-    ]
+def test_the_trim_adds_its_share_of_each_residual_up_to_its_limit() -> None:
+    assert trimmed([(1.0, 0), (1.0, 0), (-3.0, 0), (0.0, 0)]) == [(0.25, 0), (0.5, 0), (-0.25, 0), (-0.25, 0)]
+    assert trimmed([(4.0, 0), (8.0, 0), (-32.0, 0)]) == [(1.0, 1), (1.0, 1), (-1.0, 1)]
+    assert trimmed([(3.99, 0)])[0][1] == 0
 
 
-def test_integral_and_correction_of_the_trim_end_at_the_limit_and_say_so() -> None:
-    assert trimmed([(2.0, 0)]) == [(0.5, 1.0, 1.0, 1)], "at the limit is limited"
-    assert trimmed([(1.999, 0)])[0][3] == 0
-    assert trimmed([(8.0, 0)]) == [(1.0, 4.0, 1.0, 1)]
-    assert trimmed([(-8.0, 0)]) == [(-1.0, -4.0, -1.0, 1)]
-
-
-@pytest.mark.parametrize(
-    ("residual", "limited", "integral"),
-    [(1.0, 1, 0.0), (-1.0, 1, -0.25), (1.0, -1, 0.25), (-1.0, -1, 0.0), (1.0, 0, 0.25), (-1.0, 0, -0.25)],
-)
-def test_the_integral_of_the_trim_does_not_move_beyond_a_limit_of_the_output(
-    residual: float, limited: int, integral: float
-) -> None:
-    ((moved, smooth, correction, _),) = trimmed([(residual, limited)])
-    assert (moved, smooth, correction) == (integral, residual / 2, integral + residual / 4)
+def test_the_trim_does_not_move_beyond_a_limit_of_the_output() -> None:
+    steps = [(1.0, 1), (-1.0, 1), (1.0, -1), (-1.0, -1), (1.0, 0), (-1.0, 0)]
+    assert [trimmed([step])[0][0] for step in steps] == [0.0, -0.25, 0.25, 0.0, 0.25, -0.25]
 
 
 # Frames and answers

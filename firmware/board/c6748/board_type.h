@@ -6,6 +6,8 @@
 
 #include <stdint.h>
 
+#include "chip.h"
+
 /* Converters on the EMIFA bus, 16 bits each. On TI's LCDK chip select 3 is the NAND flash.
  *
  * Chip select 2: Analog Devices AD7606C-16 (or AD7606B, AD7606), hardware mode, parallel, +-10 V, no oversampling: the sensor on V1, CONVST
@@ -41,6 +43,7 @@
 
 #define BOARD_PERIOD           500u         /* ticks of the crystal in 20 us: CHIP_OSCILLATOR_HZ / 50000 */
 #define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */
+#define BOARD_PERIOD_CYCLES    (BOARD_PERIOD * CHIP_MULTIPLIER)
 
 #define BOARD_LINE             256u         /* bytes between interrupt and idle loop each way, a power of two */
 #define BOARD_REFERENCES       1024u        /* length of the periodic reference, a power of two */

@@ -8,8 +8,7 @@
 
 #include <stdint.h>
 
-/* Fill in: the crystal. 375 MHz need 25 MHz; from the 24 MHz of TI's LCDK and EVM the PLL makes 360 MHz at most, 7200 cycles in 20 us
- * (settings: period_cycles, budget_cycles). */
+/* Fill in: the crystal. 375 MHz need 25 MHz; from the 24 MHz of TI's LCDK and EVM the PLL makes 360 MHz at most, 7200 cycles in 20 us. */
 #define CHIP_OSCILLATOR_HZ   25000000u
 #define CHIP_MULTIPLIER      15u          /* PLL0: 375 MHz, inside 300 .. 600 */
 #define CHIP_CORE_HZ         (CHIP_OSCILLATOR_HZ * CHIP_MULTIPLIER)

@@ -23,6 +23,7 @@
 #define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
 #define BOARD_HIGH_UM          13.1077f
 #define BOARD_RECORD           65536u
+#define BOARD_PERIOD_CYCLES    7500u
 
 #define HOST_NO_CUT 0xFFFFFFFFu
 #define HOST_LINE   512u  /* bytes from the firmware until the test takes them */

@@ -14,6 +14,7 @@
 #define BOARD_LOW_UM           -3.276f      /* a reading at a rail of the A/D is none */
 #define BOARD_HIGH_UM          13.1077f
 #define BOARD_RECORD           4096u
+#define BOARD_PERIOD_CYCLES    7500u
 
 typedef struct {
     float reading_um;

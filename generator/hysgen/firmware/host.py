@@ -140,27 +140,18 @@ class Settings:
     high_V: float = 120.0
     step_V: float = 1.5
     ramp_V: float = 0.02
-    fall_V: float = 0.05
     loop_low_V: float = 22.0
     loop_high_V: float = 56.0
-    loop_middle_V: float = 39.0
     power_samples: int = 100
     hold_samples: int = 4096
     offset_um: float = 1.0
-    approach_um: float = 0.001
     state_samples: int = 250_000
     reference_step_um: float = 0.02
-    low_um: float = -3.2
-    high_um: float = 13.0
     stuck_V: float = 0.5
-    stuck_samples: int = 64
     follow_um: float = 0.5
     follow_samples: int = 50
     bad_samples: int = 8
-    period_cycles: int = 7500
     trim_integral: float = 0.004
-    trim_proportion: float = 0.05
-    trim_smoothing: float = 0.05
     trim_limit_um: float = 0.25
     commit_pause: int = 25_000
 

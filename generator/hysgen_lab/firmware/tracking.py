@@ -120,8 +120,7 @@ def controllers(f_Hz: float) -> list[Controller]:
 
 def settings_for(model: Model) -> Settings:
     """The default settings, with the initial loop over the input range of the model."""
-    middle_V = 0.5 * (model.u_min_V + model.u_max_V)
-    return Settings(loop_low_V=model.u_min_V, loop_high_V=model.u_max_V, loop_middle_V=middle_V)
+    return Settings(loop_low_V=model.u_min_V, loop_high_V=model.u_max_V)
 
 
 def sensor_noise_nm() -> float:

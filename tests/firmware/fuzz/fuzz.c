@@ -84,10 +84,10 @@ static uint32_t broken_output(const fuzz_t *self, float before_V)
     return broken;
 }
 
-/* 1 if y_um is a number inside low_um .. high_um. */
+/* 1 if y_um is a number inside the board's range. */
 static uint32_t believable(const fuzz_t *self, float y_um)
 {
-    return number_finite(y_um) & (uint32_t)(y_um >= self->settings.low_um) & (uint32_t)(y_um <= self->settings.high_um);
+    return number_finite(y_um) & (uint32_t)(y_um >= BOARD_LOW_UM) & (uint32_t)(y_um <= BOARD_HIGH_UM);
 }
 
 /* Notes what the sensor did at this interrupt, whose reading came under before_V. */
@@ -114,7 +114,7 @@ static uint32_t broken_stuck(const fuzz_t *self, float before_V)
 {
     const controller_t *controller = &self->firmware.controller;
     const settings_t *s = &self->settings;
-    const uint32_t must = (uint32_t)(self->same > s->stuck_samples)
+    const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK)
         & (uint32_t)(number_size(before_V - self->same_V) > s->stuck_V + ROUNDING_V);
     const uint32_t told = (uint32_t)((controller->status & STATUS_FAULTS) != 0u);
 

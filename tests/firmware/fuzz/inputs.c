@@ -35,31 +35,22 @@ void fuzz_settings(fuzz_t *self)
     s->high_V = fuzz_float(self, 50.0f, 120.0f);
     s->step_V = fuzz_float(self, 0.02f, 3.0f);
     s->ramp_V = s->step_V * fuzz_float(self, 0.3f, 1.0f);
-    s->fall_V = s->step_V * fuzz_float(self, 0.3f, 1.0f);
     s->loop_low_V = fuzz_float(self, 22.0f, 30.0f);
     s->loop_high_V = fuzz_float(self, 40.0f, 50.0f);
-    s->loop_middle_V = fuzz_float(self, 30.0f, 40.0f);
     s->power_samples = 1u + fuzz_below(self, 20u);
-    s->hold_samples = 1u + fuzz_below(self, 200u);
+    s->hold_samples = 64u + fuzz_below(self, 140u);
     s->offset_um = fuzz_float(self, 0.3f, 2.0f);
-    s->approach_um = fuzz_float(self, 0.001f, 0.1f);
     s->state_samples = 20000u + fuzz_below(self, 100000u);
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
-    s->low_um = -3.2f;
-    s->high_um = 13.0f;
     s->stuck_V = fuzz_float(self, 0.1f, 2.0f);
-    s->stuck_samples = 1u + fuzz_below(self, 200u);
     s->follow_um = fuzz_float(self, 0.05f, 1.0f);
     s->follow_samples = 1u + fuzz_below(self, 50u);
     s->bad_samples = 1u + fuzz_below(self, 20u);
-    s->period_cycles = 1u + fuzz_below(self, 15000u);
     s->trim_integral = fuzz_float(self, 0.0f, 0.02f);
-    s->trim_proportion = fuzz_float(self, 0.0f, 0.3f);
-    s->trim_smoothing = fuzz_float(self, 0.0f, 1.0f);
     s->trim_limit_um = fuzz_float(self, 0.0f, 0.5f);
     s->commit_pause = fuzz_below(self, 500u);
     if (fuzz_below(self, 4u) == 0u) {
-        voltages[fuzz_below(self, 9u)] = (fuzz_below(self, 2u) != 0u) ? any(self) : fuzz_float(self, -150.0f, 150.0f);
+        voltages[fuzz_below(self, 5u)] = (fuzz_below(self, 2u) != 0u) ? any(self) : fuzz_float(self, -150.0f, 150.0f);
     }
 }
 
