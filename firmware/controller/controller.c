@@ -106,13 +106,16 @@ static void controller_begin(controller_t *self)
 static void controller_take_request(controller_t *self)
 {
     const uint32_t request = self->request;
+    uint32_t plays;
 
     if ((request == CONTROLLER_START) && (self->installing != 0u)) {
         return;
     }
     self->request = CONTROLLER_NO_REQUEST;
-    if (((request == CONTROLLER_START) || (request == CONTROLLER_RECORD)) && (self->state == CONTROLLER_OFF)) {
-        self->plays = (uint32_t)(request == CONTROLLER_RECORD);
+    /* What was played is a record, and no table any more. */
+    plays = (uint32_t)(request == CONTROLLER_RECORD) & (uint32_t)(self->play.done < self->play.count);
+    if (((request == CONTROLLER_START) || (plays != 0u)) && (self->state == CONTROLLER_OFF)) {
+        self->plays = plays;
         self->begun = 0u;
         self->powered = 0u;
         self->state = CONTROLLER_POWER;

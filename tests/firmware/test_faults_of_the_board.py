@@ -33,9 +33,9 @@ def suffered(
     """Track the sine of section 4.3 with the fault; the limits hold throughout."""
     firmware = tracking(SETTINGS)
     assert firmware.state is State.TRACK
-    before_V = firmware.board.output_V
     firmware.request(Request.CLEAR)
     firmware.run(np.full(1, REFERENCE_UM))
+    before_V = firmware.board.output_V
     assert FirmwareStatus(firmware.status & ~FirmwareStatus.MODEL & ~FirmwareStatus.OUTPUT_SLEWED) == 0
     firmware.fail(fault, value, after, samples)
     log = firmware.run(sine(8000) if reference_um is None else reference_um)
@@ -178,6 +178,7 @@ TRANSITIONS = {
     (State.OFF, Request.STOP): State.OFF,
     (State.POWER, Request.STOP): State.OFF,
     (State.RISE, Request.STOP): State.FALL,
+    (State.PLAY, Request.STOP): State.FALL,
     (State.LOOP, Request.STOP): State.FALL,
     (State.HOLD, Request.STOP): State.FALL,
     (State.APPROACH, Request.STOP): State.FALL,
@@ -197,7 +198,9 @@ def reached(state: State) -> HostFirmware:
     firmware = booted(SETTINGS)
     if state is State.OFF:
         return firmware
-    firmware.request(Request.START)
+    firmware.request(Request.RECORD if state is State.PLAY else Request.START)
+    # 60 ms at one voltage inside the limits.
+    firmware.firmware.controller.play.count, firmware.board.record[0:3000] = 3000, [20_000] * 3000
     if state in (State.FALL, State.TRIP, State.TRIPPED):
         firmware.run(np.full(900, REFERENCE_UM))
         if state is State.FALL:

@@ -151,6 +151,9 @@ def test_a_table_is_taken_at_rest_only_and_played_once() -> None:
     firmware.run(np.full(1000, 2.0))
     assert firmware.state is State.OFF
     assert code(firmware, Command.REQUEST, record) == 3, "the readings are no table"
+    firmware.request(Request.RECORD)
+    firmware.run(np.full(9, 2.0))
+    assert firmware.state is State.OFF
 
 
 def test_a_start_that_would_not_be_taken_is_not_answered_by_done() -> None:

@@ -173,7 +173,7 @@ static uint32_t broken_amplifier(fuzz_t *self, uint32_t asked)
     const uint32_t off = (uint32_t)(self->before == (uint32_t)CONTROLLER_OFF);
 
     self->locked = (self->clears != self->firmware.controller.clears) ? 0u : self->locked;
-    self->armed = (off != 0u) ? (uint32_t)(asked == CONTROLLER_START) : self->armed;
+    self->armed = (off != 0u) ? (uint32_t)((asked == CONTROLLER_START) | (asked == CONTROLLER_RECORD)) : self->armed;
     return ((self->board.enabled != 0u) && ((self->armed == 0u) || (self->locked != 0u))) ? FUZZ_ARMED : 0u;
 }
 

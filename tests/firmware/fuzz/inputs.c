@@ -128,6 +128,24 @@ static uint32_t send_commands(fuzz_t *self)
     return end;
 }
 
+/* A table of voltages, most of which the limits allow, and a request to play it. */
+static uint32_t send_table(fuzz_t *self)
+{
+    const float code_per_V = 65535.0f / (BOARD_HIGH_V - BOARD_LOW_V);
+    const uint8_t plays[3] = { LINK_REQUEST, 0u, CONTROLLER_RECORD };
+    uint8_t payload[6u + LINK_CHUNK] = { LINK_TABLE, 0u, 0u, 0u, 0u, 0u };
+    float u_V = fuzz_float(self, 0.0f, 60.0f);
+
+    for (uint32_t i = 0u; i < LINK_CHUNK; i += 2u) {
+        const uint32_t code = (uint32_t)((u_V - BOARD_LOW_V) * code_per_V);
+
+        payload[6u + i] = (uint8_t)(code & 0xFFu);
+        payload[7u + i] = (uint8_t)((code >> 8) & 0xFFu);
+        u_V = number_limited(u_V + self->settings.step_V * fuzz_float(self, -1.01f, 1.01f), BOARD_LOW_V, BOARD_HIGH_V);
+    }
+    return command(self, command(self, 0u, payload, sizeof payload), plays, sizeof plays);
+}
+
 static uint32_t send_noise(fuzz_t *self)
 {
     const uint32_t count = 1u + fuzz_below(self, 64u);
@@ -144,7 +162,7 @@ void fuzz_event(fuzz_t *self)
     board_t *board = &self->board;
     uint32_t count = 0u;
 
-    switch (fuzz_below(self, 9u)) {
+    switch (fuzz_below(self, 10u)) {
     case 0u:
         fault(self);
         break;
@@ -167,6 +185,9 @@ void fuzz_event(fuzz_t *self)
             /* The power fails while the image is being stored, or later. */
             board->bytes_to_cut = 1u + fuzz_below(self, 2u * BOARD_SLOT_BYTES);
         }
+        break;
+    case 7u:
+        count = send_table(self);
         break;
     default:
         self->kind = fuzz_below(self, 4u);
