@@ -162,7 +162,7 @@ class Client:
         identity = self.identity()
         period_s = 1e-9 * identity.period_ns
         # Half a period more: the last row belongs to the table, whatever its time is rounded to.
-        time_s = np.arange(int((times_s[-1] - times_s[0]) / period_s + 0.5) + 1) * period_s
+        time_s: Floats = np.arange(int((times_s[-1] - times_s[0]) / period_s + 0.5) + 1).astype(np.float64) * period_s
         voltage_V = np.interp(times_s[0] + time_s, times_s, voltages_V)
         if time_s.size > identity.record:
             raise ModelError(f"{time_s[-1]:.6g} s are {time_s.size} samples; the firmware records {identity.record}")

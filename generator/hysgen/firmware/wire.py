@@ -111,8 +111,9 @@ class Identity:
     @classmethod
     def unpack(cls, data: bytes) -> Identity:
         """Raises struct.error for too few data."""
-        protocol, a, b, c, d, *words = IDENTITY.unpack_from(data)
-        return cls(protocol, (a, b, c, d), *words, data[IDENTITY.size :].decode("ascii", "replace"))
+        protocol, *words = IDENTITY.unpack_from(data)
+        values = (protocol, tuple(words[:4]), *words[4:], data[IDENTITY.size :].decode("ascii", "replace"))
+        return cls(**dict(zip(cls.__dataclass_fields__, values, strict=True)))
 
 
 def frame(payload: bytes) -> bytes:
