@@ -127,6 +127,7 @@ def test_nothing_to_plot_and_no_matplotlib_are_told_in_one_line(
 def test_code_is_written_and_read_back(results: dict[str, Displayed], tmp_path: Path) -> None:
     code = results["code"]
     assert isinstance(code, hysgen.Generated)
+    assert (dict(code), list(code), len(code)) == (dict(code.texts), [*code.texts], len(code.texts))
     folder = code.write(tmp_path / "c")
     assert (folder / "stage.h").read_text() == code["stage.h"]
     assert hysgen.verify(folder, samples=2000).equal

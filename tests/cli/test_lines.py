@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import shlex
 import stat
 import sys
@@ -491,3 +492,20 @@ def test_a_folder_for_matplotlib_that_the_user_names_stays(monkeypatch: pytest.M
     monkeypatch.setenv("MPLCONFIGDIR", "mine")
     assert main(["describe", "appendix_a"]) == 0
     assert os.environ["MPLCONFIGDIR"] == "mine"
+
+
+def test_a_fault_of_hysgen_is_one_line_with_an_exit_code_of_its_own(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(arguments: object) -> None:
+        raise ZeroDivisionError("float\ndivision by zero")
+
+    monkeypatch.setattr("hysgen.cli.verbs.schema.names", broken)
+    monkeypatch.setattr("hysgen.cli.verbs.schema.text_of", broken)
+    assert main(["schema", "score"]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.match(
+        r"hysgen schema: a fault of hysgen itself \(ZeroDivisionError in test_lines\.py:\d+: float div", line
+    )
+    with pytest.raises(ZeroDivisionError):
+        main(["schema", "score", "--verbose"])

@@ -24,6 +24,24 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.parametrize("damage", ["cut", "emptied", "flipped", "swapped"])
+def test_a_damaged_step_is_computed_anew(damage: str, tmp_path: Path, cache: Path) -> None:
+    value = np.arange(1000.0)
+    for name in ("x", "y"):
+        resumed((name,), tmp_path, lambda: value if name == "x" else -value)  # noqa: B023
+    x, y = sorted(cache.glob("step-*"), key=lambda path: path.stat().st_mtime_ns)
+    data = bytearray(x.read_bytes())
+    if damage == "cut":
+        del data[-700:]
+    elif damage == "emptied":
+        data.clear()
+    elif damage == "flipped":
+        data[len(data) // 2] ^= 1
+    x.write_bytes(y.read_bytes()[: len(data) // 2] + data[len(data) // 2 :] if damage == "swapped" else data)
+    np.testing.assert_array_equal(resumed(("x",), tmp_path, lambda: value), value)
+    np.testing.assert_array_equal(resumed(("x",), tmp_path, lambda: value[:1]), value, "it is kept again")
+
+
 def test_a_step_is_computed_once_for_its_inputs_and_code(tmp_path: Path) -> None:
     made: list[int] = []
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -27,6 +29,32 @@ def test_a_library_is_compiled_once_per_source_and_flags(cache: Path) -> None:
     assert again.path.stat().st_mtime_ns == stamp
     assert other.path != first.path
     assert first.lib.twice(2.5) == other.lib.twice(2.5) == 5.0
+
+
+RUN = """
+from hysgen.machine.native import build
+library = build([("twice.c", "double twice(double x) { return x + x; }\\n")], "double twice(double);")
+print(library.lib.twice(2.5), library.path)
+"""
+
+
+@pytest.mark.slow
+def test_a_damaged_library_or_object_is_built_anew(cache: Path) -> None:
+    def run() -> list[str]:
+        done = subprocess.run([sys.executable, "-c", RUN], capture_output=True, text=True, check=False)
+        return done.stdout.split() or [f"{done.returncode} {done.stderr}"]
+
+    value, library = run()
+    (unit,) = cache.glob("*.o")
+    assert value == "5.0"
+    other = build([("twice.c", SOURCE.replace("+ x", "- x"))], "double twice(double);")
+    whole = Path(library).read_bytes()
+    flipped = whole[:5000] + bytes([whole[5000] ^ 255]) + whole[5001:]
+    for damaged in (whole[: len(whole) // 2], b"", flipped, other.path.read_bytes()[:-40] + whole[-40:]):
+        Path(library).unlink()
+        Path(library).write_bytes(damaged)
+        unit.write_bytes(damaged)
+        assert run() == ["5.0", library]
 
 
 def test_a_compiler_error_is_one_line_that_names_the_place(cache: Path) -> None:

@@ -170,6 +170,37 @@ def test_channels_one_below_the_other_are_refused_by_the_column_that_numbers_the
         read(tmp_path, "\n".join(["chunk;timestamp;value", *lines]))
 
 
+def test_channels_one_below_the_other_are_refused_by_a_time_that_begins_again(tmp_path: Path) -> None:
+    lines = [f"0;{t};{v}" for channel in (U_V, Y_UM) for t, v in zip(TIME_S, channel, strict=True)]
+    with pytest.raises(RecordError, match=rf"column timestamp repeats every {N} rows: the channels stand one below"):
+        read(tmp_path, "\n".join(["chunk;timestamp;value", *lines]))
+
+
+@pytest.mark.parametrize(("value", "rows"), [(-8888.0, 6), (-8888.0, 3), (2.125, 5)])
+def test_a_value_at_which_the_displacement_stands_between_two_jumps_is_refused(value: float, rows: int) -> None:
+    y_um = Y_UM.copy()
+    y_um[[*range(60, 60 + rows), *range(180, 180 + rows)]] = value
+    with pytest.raises(
+        RecordError, match=rf"index 60: displacement_um is {value:g} \({2 * rows} such values\), which st"
+    ):
+        Record.from_arrays(U_V, y_um, 1e-3)
+
+
+@pytest.mark.parametrize("kind", ["pulses", "frozen", "slow sensor"])
+def test_a_displacement_that_stands_for_a_cause_passes(kind: str) -> None:
+    """Pulses of the voltage under a coarse sensor; a sensor that stands, without a jump; one read every 20th row."""
+    y_um = Y_UM.copy()
+    u_V = U_V.copy()
+    if kind == "pulses":
+        u_V[200:206], y_um = 0.0, np.round(0.07 * u_V, 1)
+        y_um[200:206] = 0.0
+    elif kind == "frozen":
+        y_um[100:140] = y_um[100]
+    else:
+        y_um = y_um[np.arange(N) // 20 * 20]
+    assert Record.from_arrays(u_V, y_um, 1e-3).samples == N
+
+
 @pytest.mark.parametrize(("every", "row"), [(2, "2nd"), (3, "3rd"), (10, "10th")])
 def test_a_sensor_slower_than_the_log_is_said_with_the_row_step(every: int, row: str) -> None:
     k = np.arange(4000)

@@ -25,16 +25,15 @@ from hysgen.report.plots.simulated import (
 )
 from hysgen.report.plots.traces import (
     envelope,
-    loops,
     loops_picture,
     record_picture,
     spectra,
     spectra_picture,
     thinned,
-    tracking,
     validation,
 )
 from hysgen.uncertainty.history import History, Trend
+from hysgen_lab.studies.paper.figures import loops, tracking
 
 TS_S = 1e-3
 T_S = TS_S * np.arange(1000)

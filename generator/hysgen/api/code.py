@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,8 @@ from hysgen.targets import Target, with_kernels_in
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Generated(Displayed):
-    """Generated files: the model, texts by file name, warnings; `code["stage.h"]` is one text."""
+class Generated(Displayed, Mapping[str, str]):
+    """Generated files: the model, texts by file name, warnings. A mapping: `code["stage.h"]` is one text."""
 
     model: Model
     texts: Mapping[str, str]
@@ -38,6 +38,12 @@ class Generated(Displayed):
 
     def __getitem__(self, name: str) -> str:
         return self.texts[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.texts)
+
+    def __len__(self) -> int:
+        return len(self.texts)
 
     def write(self, folder: str | Path) -> Path:
         """Write every file into a folder, each whole or not at all. Returns the folder."""

@@ -1,7 +1,7 @@
 """Entry of the command line: runs the verb and turns each error into one line and an exit code.
 
 Exit codes: 0 done; 1 done with a negative answer (bits differ, a file is stale, a model misses its target);
-2 not done: bad input, a missing tool, no memory, no room on the disk; 130 interrupted.
+2 not done: bad input, a missing tool, no memory, no room on the disk; 3 a fault of hysgen itself; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import sys
 import tempfile
 import textwrap
 import tomllib
+import traceback
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
@@ -44,7 +45,7 @@ LEAST_BESIDE = 24
 _BELOW = """\
 `hysgen VERB --help` has options and examples; `hysgen completion bash` completes them.
 hysgen.toml in the working folder holds options for every call ([record] columns = "...").
-Exit codes: 0 done, 1 done with a negative answer, 2 not done.
+Exit codes: 0 done, 1 done with a negative answer, 2 not done, 3 a fault of hysgen itself.
 HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder).
 HYSGEN_PROCESSES is the number of processes of a diagnosis (default: one for each core, at most 4)."""
 
@@ -145,6 +146,13 @@ def main(argv: Sequence[str] | None = None, program: Program = HYSGEN) -> int:
         discard_stdout()
         file = f"{fault.filename}: " if fault.filename else ""
         return _fails(command, f"{file}{fault.strerror or fault}; the result is not complete")
+    except Exception as fault:
+        if "-v" in words or "--verbose" in words:
+            raise
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        what = f"{type(fault).__name__} in {Path(place.filename).name}:{place.lineno}: {fault}"
+        _fails(command, f"a fault of hysgen itself ({what}); please report it, with what --verbose prints")
+        return 3
 
 
 def _verb_first(words: list[str]) -> list[str]:

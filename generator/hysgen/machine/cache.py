@@ -18,7 +18,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from hysgen.errors import HysgenError
-from hysgen.machine.files import digest, write_whole
+from hysgen.machine.files import digest, sealed, unsealed, write_whole
 from hysgen.machine.native import cache_folder
 
 Result = TypeVar("Result")
@@ -123,12 +123,13 @@ def content_digest(value: Any) -> str:
 
 
 def _kept(path: Path, compute: Callable[[], Result]) -> Result:
-    with contextlib.suppress(OSError, pickle.PickleError, EOFError, AttributeError, ImportError):
-        result: Result = pickle.loads(path.read_bytes())
-        return result
+    if (data := unsealed(path)) is not None:
+        with contextlib.suppress(pickle.PickleError, AttributeError, ImportError):
+            result: Result = pickle.loads(data)
+            return result
     result = compute()
     with contextlib.suppress(HysgenError, pickle.PickleError, TypeError, AttributeError):
-        write_whole(path, pickle.dumps(result))
+        write_whole(path, sealed(pickle.dumps(result)))
     return result
 
 

@@ -54,6 +54,24 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
+SEAL = hashlib.sha256().digest_size
+"""Bytes of the digest at the end of a file of the cache; a linker and a loader do not read them."""
+
+
+def sealed(data: bytes) -> bytes:
+    """The data with their digest behind them, for a file that has to be made again if it is damaged."""
+    return data + hashlib.sha256(data).digest()
+
+
+def unsealed(path: Path) -> bytes | None:
+    """The data of a file that `sealed` made; None if the file is missing, cut short or altered."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    return data[:-SEAL] if sealed(data[:-SEAL]) == data else None
+
+
 def _umask() -> int:
     """The process's file mode mask. POSIX has no call that reads it without setting it."""
     mask = os.umask(0)

@@ -1,7 +1,8 @@
 """Compiling C on the host, opening the library through cffi, and caching it on disk.
 
 Used for the float64 kernels and for the generated float32 C under test. A library is named by the digest of all inputs
-of its build (sources, flags, compiler and its version), so an outdated library is never opened.
+of its build (sources, flags, compiler and its version), and sealed by its own: neither an outdated library nor a
+damaged one is opened.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any, Final
 from cffi import FFI
 
 from hysgen.errors import BuildError, HysgenError
-from hysgen.machine.files import digest
+from hysgen.machine.files import digest, sealed, unsealed, write_whole
 from hysgen.machine.kernel_build import STRICT_FLAGS, compiler_call, export_flags, find_compiler
 
 INSTALL: Final = "install gcc or clang, or point CC at one; or, with pip alone, `pip install 'hysgen[compiler]'`"
@@ -135,7 +136,7 @@ def build(
         [chosen.command, version, *flags, *libraries, *names, *(part for pair in sources for part in pair)]
     )
     target = cache_folder() / f"{digest(recipe.encode())[:32]}.so"
-    if not target.exists():
+    if unsealed(target) is None:
         _build(dict(sources), chosen.command, flags, libraries, names, target)
     ffi = FFI()
     ffi.cdef(declarations)
@@ -167,12 +168,12 @@ def cached_object(
     """
     parts = [part for name in sorted(_included(unit, texts)) for part in (name, texts[name])]
     target = cache_folder() / f"{digest(chr(0).join([*recipe, unit, *parts]).encode())[:32]}.o"
-    if not target.exists():
+    if unsealed(target) is None:
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
             compile_to(Path(scratch, "unit.o"))
-            # Two processes may compile the same unit at once: the atomic rename leaves one complete file.
-            os.replace(Path(scratch, "unit.o"), target)
+            # Two processes may compile the same unit at once: one complete file is left.
+            write_whole(target, sealed(Path(scratch, "unit.o").read_bytes()))
     return target
 
 
@@ -217,4 +218,4 @@ def _build(
 
         objects = [compiled(name) for name in texts if name.endswith(".c")]
         run(*flags, *export_flags(names, Path(scratch)), "-shared", "-o", "out.so", *objects, *libraries)
-        os.replace(Path(scratch, "out.so"), target)
+        write_whole(target, sealed(Path(scratch, "out.so").read_bytes()))

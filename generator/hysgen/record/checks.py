@@ -33,6 +33,11 @@ LIMITS = frozenset(2.0**bits - less for bits in (15, 16, 31, 32, 63, 64) for les
 """Magnitudes at which integers end."""
 
 
+STANDING, JUMP, LEAST_JUMP = 3, 10.0, 0.05
+"""Equal readings in a row that stand for none, if they are entered and left by a jump; least jump in usual steps (the
+95 % quantile of those that are not 0) and as a share of the stroke."""
+
+
 def check_marks(runs: Sequence[Segment], unit_V: float = 1.0, unit_um: float = 1.0) -> None:
     """Refuse numbers that stand for an overload or a missing reading, with the first row.
 
@@ -47,6 +52,8 @@ def check_marks(runs: Sequence[Segment], unit_V: float = 1.0, unit_um: float = 1
             for end in (ends.min(), ends.max()) if ends.size and not rows.any() else ():
                 if _is_mark(values, float(end)):
                     rows, what = values == end, "far off all others, as loggers write for no reading"
+            if name == run.origin.displacement and not rows.any():
+                rows, what = _standing(run), "which stands between two jumps, as loggers write for no reading"
             if rows.any():
                 row = int(np.argmax(rows))
                 raise RecordError(
@@ -64,6 +71,22 @@ def _is_mark(values: NDArray[np.float64], end: float) -> bool:
     if not rest.size >= (1.0 - MARKED) * values.size:
         return False
     return max(float(rest.min()) - end, end - float(rest.max())) > float(np.ptp(rest))
+
+
+def _standing(run: Segment) -> NDArray[np.bool_]:
+    """(n,) readings of a value at which the displacement stands between two jumps, out and back, without one of u."""
+    y, u, rows = run.y_um, run.u_V, np.zeros(run.samples, dtype=bool)
+    steps, moves = np.diff(y), np.abs(np.diff(u))
+    if not steps.any() or not np.isfinite(steps).all():
+        return rows
+    stroke = float(np.subtract(*np.quantile(y, (0.99, 0.01))))
+    least = max(JUMP * float(np.quantile(np.abs(steps[steps != 0.0]), 0.95)), LEAST_JUMP * stroke)
+    still_V = JUMP * float(np.quantile(moves, 0.95))
+    for start, stop in plateaus(y, STANDING):
+        if start > 0 and stop < y.size and moves[max(start - BEFORE, 0) : stop].max() <= still_V:
+            out_um, back_um = steps[start - 1], steps[stop - 1]
+            rows[start:stop] = min(abs(out_um), abs(back_um)) > least and out_um * back_um < 0.0
+    return np.isin(y, y[rows])
 
 
 def check_values(runs: Sequence[Segment], accept: Collection[str] = ()) -> tuple[str, ...]:

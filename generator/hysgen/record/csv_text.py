@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
+from hysgen.record.checks import SHORTEST
 from hysgen.record.columns import Columns, plain_unit, split_unit
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, guessed, has_time
@@ -153,10 +154,17 @@ def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
     rows = every[:50]
     for at, name in enumerate(layout.names):
         held = sorted({fields[at] for fields in rows if at < len(fields)})
-        blocks = [key for key, _ in itertools.groupby(fields[at] for fields in every if at < len(fields))]
-        if len(layout.names) <= 3 and 2 <= len(blocks) == len(set(blocks)) <= 16:
+        cells = [fields[at] for fields in every if at < len(fields)]
+        blocks = [key for key, _ in itertools.groupby(cells)]
+        again = cells.index(cells[0], 1) if cells[0] in cells[1:] else len(cells)
+        repeats = SHORTEST <= again == len(set(cells)) < len(cells) and cells == (cells * 2)[again : again + len(cells)]
+        numbered = 2 <= len(blocks) == len(set(blocks)) <= 16
+        if len(layout.names) <= 3 and (numbered or repeats):
+            what = (
+                f"numbers what each row holds ({', '.join(blocks[:6])})" if numbered else f"repeats every {again} rows"
+            )
             raise RecordError(
-                f"{layout.source}: column {name} numbers what each row holds ({', '.join(blocks[:6])}): the channels "
+                f"{layout.source}: column {name} {what}: the channels "
                 "stand one below the other; give each its own column, one row for each sample"
             )
         if 2 <= len(held) < len(rows) // 2 and all(quantity(one, layout.comma) is None for one in held):

@@ -70,8 +70,12 @@ class Inspection(Displayed):
     lowest_Hz: float
     highest_Hz: float
     fastest_V_per_s: float
-    requirements: tuple[Requirement, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def requirements(self) -> tuple[Requirement, ...]:
+        """What each cause needs, and whether the record has it."""
+        return tuple(_requirements(self))
 
     def summary(self) -> Summary:
         """Rate, ranges and excitation, then the requirement of each cause."""
@@ -125,7 +129,7 @@ def inspect(record: Record) -> Inspection:
         heights += np.abs(np.diff(part.u_V[turns])).tolist()
         rests += [end - begin for begin, end in plateaus(part.u_V, SHORTEST_PLATEAU, 1e-6 * (high_V - low_V))]
     lowest, highest = _band(record)
-    found = Inspection(
+    return Inspection(
         record=record,
         noise=noise_floor(record),
         swings=len(heights),
@@ -135,11 +139,8 @@ def inspect(record: Record) -> Inspection:
         lowest_Hz=lowest,
         highest_Hz=highest,
         fastest_V_per_s=fastest_V_per_s(record),
-        requirements=(),
         warnings=check_for_fit(record, RULES, 3 * RULES),
     )
-    object.__setattr__(found, "requirements", tuple(_requirements(found)))
-    return found
 
 
 def _band(record: Record) -> tuple[float, float]:

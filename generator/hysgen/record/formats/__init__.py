@@ -1,8 +1,8 @@
 """Formats of files: one file each, found by listing the modules of this package.
 
-A module defines FORMAT, a `Format`. A format is recognised by the first bytes where it has a signature; a library is
-imported when its format is read, and those beside NumPy are the extra `hysgen[formats]`. What no format recognises is
-text, unless it is known to be something else (`refused_kinds`).
+A module defines FORMAT, a `Format`, or FORMATS, several. A format is recognised by the first bytes where it has a
+signature; a library is imported when its format is read, and those beside NumPy are the extra `hysgen[formats]`. What
+no format recognises is text, unless it is known to be something else (`base.KINDS`).
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ HEAD = 520
 @functools.lru_cache(maxsize=1)
 def formats() -> tuple[Format, ...]:
     """Every format, those that others come after first."""
-    modules = sorted(module.name for module in pkgutil.iter_modules(__path__))
-    known = [getattr(importlib.import_module(f"{__name__}.{name}"), "FORMAT", None) for name in modules]
-    return tuple(sorted(filter(None, known), key=lambda one: len(one.after)))
+    names = sorted(module.name for module in pkgutil.iter_modules(__path__))
+    modules = [importlib.import_module(f"{__name__}.{name}") for name in names]
+    known = [item for module in modules for item in getattr(module, "FORMATS", [getattr(module, "FORMAT", None)])]
+    return tuple(sorted(filter(None, known), key=lambda item: len(item.after)))
 
 
 def unpacked(path: Path) -> Text | FileArrays:

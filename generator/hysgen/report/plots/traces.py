@@ -47,43 +47,6 @@ def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, c
     return fig
 
 
-def loops(record: Record, simulated_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]) -> Figure:
-    """Displacement against voltage over the first segment: one panel per simulation, each with the measured loops."""
-    u_V, measured_um = record.segments[0].u_V, record.segments[0].y_um
-    fig = style.figure(3.4 * len(simulated_um) + 0.6, 3.4)
-    panels = np.atleast_1d(fig.subplots(1, len(simulated_um), sharex=True, sharey=True))
-    keep = thinned(u_V.size)
-    for panel, (name, y_um) in zip(panels, simulated_um.items(), strict=True):
-        panel.plot(u_V[keep], measured_um[keep], color=style.MEASURED, label="measured")
-        panel.plot(u_V[keep], y_um[keep], color=colours[name], label=name)
-        panel.set(xlabel="voltage [V]", title=name if len(simulated_um) > 1 else "")
-        panel.legend(loc="upper left")
-    panels[0].set_ylabel("displacement [µm]")
-    fig.suptitle(title)
-    return fig
-
-
-def tracking(
-    t_s: Floats, reference_um: Floats, reached_um: Mapping[str, Floats], title: str, colours: Mapping[str, str]
-) -> Figure:
-    """Reference and reached displacement, tracking error in nm, reached against reference (ideally a straight line).
-
-    Error: reached - reference.
-    """
-    fig, above, below, side = style.axes_beside()
-    keep = thinned(t_s.size)
-    above.plot(t_s[keep], reference_um[keep], color=style.MEASURED, label="reference")
-    for name, y_um in reached_um.items():
-        above.plot(t_s[keep], y_um[keep], color=colours[name], label=name, linestyle="--")
-        below.plot(t_s[keep], 1e3 * (y_um - reference_um)[keep], color=colours[name])
-        side.plot(reference_um[keep], y_um[keep], color=colours[name], label=name)
-    above.set(ylabel="displacement [µm]", title=title)
-    below.set(xlabel="time [s]", ylabel="reached - reference [nm]")
-    side.set(xlabel="reference [µm]", ylabel="reached [µm]", title="compensated loop")
-    side.legend(loc="upper left")
-    return fig
-
-
 def horizon(
     curves: Mapping[str, HorizonCurve],
     levels_um: Mapping[str, float],
