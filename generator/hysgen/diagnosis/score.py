@@ -121,7 +121,19 @@ class Scored:
         independent = self.independent_samples(few, apart=self._apart(smaller.chain, added, left_out))
         if any(part.flexible for part in added):
             independent = min(independent, smaller.independent_samples(few))
-        return smaller.score(independent) - self.score(independent)
+        return smaller.score(independent) - self.score(independent) - self._moved_at_rest(smaller)
+
+    def _moved_at_rest(self, smaller: Scored) -> float:
+        """2 ln of the likelihood ratio against this chain on the rows at rest; 0 where it leaves no more motion there.
+
+            (n / c) ln(p^2 / q^2)        p, q: rms motion at rest of this chain and of the smaller one, n: rows at rest
+
+        The misfit of the hysteresis is constant there and hides nothing: a part that moves what rests is not there.
+        """
+        lag_s = max(self.chain.lag_s, smaller.chain.lag_s)
+        own, other = (np.concatenate([*at_rest(self.scene, fit.error, lag_s), []]) for fit in (self.fit, smaller.fit))
+        risen = float(own @ own) / (float(other @ other) + 1e-300) if len(own) >= RESTING else 1.0
+        return len(own) / dispersion(other, own - other) * math.log(risen) if risen > 1.0 else 0.0
 
     @cached_property
     def left_out_error(self) -> Floats:
@@ -143,30 +155,38 @@ class Scored:
 
 
 def resting_noise(scene: Scene, fit: Fit) -> float:
-    """Standard deviation in um of the residual while the stage rests, less two standard errors of its square.
+    """Standard deviation of the residual while the stage rests (`at_rest`), less two standard errors of its square.
 
-    About its mean on each plateau of the command: the misfit of the hysteresis is constant there, so what moves is no
-    misfit, but noise of any colour, or a vibration. The standard error is that between plateaus, because slow noise has
-    few independent values on each. Samples that are not fitted, such as corrupted ones, do not count. 0 with fewer than
-    RESTING samples at rest.
+    The misfit of the hysteresis is constant there, so what moves is no misfit, but noise of any colour, or a vibration.
+    The standard error is that between plateaus, because slow noise has few independent values on each. 0 with fewer
+    than RESTING samples at rest.
     """
-    squares, counts, first = [], [], 0
+    moved = at_rest(scene, fit.error, fit.chain.lag_s)
+    squares = np.array([float(error @ error) for error in moved])
+    counts = np.array([len(error) - 1 for error in moved])
+    if counts.sum() < RESTING:
+        return 0.0
+    power = float(squares.sum() / counts.sum())
+    return math.sqrt(max(power - 2.0 * float(np.linalg.norm(squares - power * counts)) / float(counts.sum()), 0.0))
+
+
+def at_rest(scene: Scene, error: Floats, lag_s: float) -> list[Floats]:
+    """The residual, (n,), about its mean on each plateau of the command, from PROBE_LAGS lags of lag_s after a step on.
+
+    Samples that are not fitted, such as corrupted ones, do not count.
+    """
     used = np.zeros(scene.samples, dtype=np.bool_)
     used[scene.dense] = True
+    first, moved = 0, []
     for run in scene.runs:
-        settle = math.ceil(PROBE_LAGS * fit.chain.lag_s / (scene.Ts_s * run.stride))
+        settle = math.ceil(PROBE_LAGS * lag_s / (scene.Ts_s * run.stride))
         for begin, end in plateaus(run.u_V, settle + SHORTEST_PLATEAU):
             rows = slice(first + begin + settle, first + end)
-            error = fit.error[rows][used[rows]]
-            if len(error) > 1:
-                squares.append(float(np.sum((error - error.mean()) ** 2)))
-                counts.append(len(error) - 1)
+            rest = error[rows][used[rows]]
+            if len(rest) > 1:
+                moved.append(rest - rest.mean())
         first += len(run.u_V)
-    if sum(counts) < RESTING:
-        return 0.0
-    power = sum(squares) / sum(counts)
-    apart = np.array(squares) - power * np.array(counts)
-    return math.sqrt(max(power - 2.0 * float(np.linalg.norm(apart)) / sum(counts), 0.0))
+    return moved
 
 
 def least_growth(independent: float, prior_odds: float) -> float:

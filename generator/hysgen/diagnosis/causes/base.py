@@ -119,11 +119,11 @@ class Effect:
 
 
 def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:
-    """Number of fitted rows at which the part of a kind changes the voltage by more than LEAST_CHANGE of its range."""
+    """Number of rows, thinned or not, at which a part changes the voltage by more than LEAST_CHANGE of its range."""
     least_V = LEAST_CHANGE * (scene.operator.high_V - scene.operator.low_V)
     free = chain.without(kind)
     changes = [np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands]
-    return int(np.count_nonzero(np.concatenate(changes)[scene.rows] > least_V))
+    return int(np.count_nonzero(np.concatenate(changes)[scene.dense] > least_V))
 
 
 class Cause(abc.ABC):

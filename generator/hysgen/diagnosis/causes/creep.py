@@ -19,8 +19,10 @@ from hysgen.diagnosis.probe import (
     Fit,
     Part,
     RunSignals,
+    Scene,
     ShapeParameter,
     SlowStates,
+    TrainingFit,
     octaves,
     standard_errors,
     whitened_fit,
@@ -46,8 +48,9 @@ PAST_DECAYS = (1 / 30, 1 / 8, 1 / 2)
 class CreepPart(Part):
     """After a step the output moves by `per_decade` times the step in every decade of time, from from_s on.
 
-    Two slow states per decade, up to 100 times the length of the run. Added columns: the creep that the unknown motion
-    before the record causes, as three exponentials and the creep of a step at the start.
+    Two slow states per decade, up to 100 times the length of the run. rested: the stage rested before the record, so
+    the states start at its first value. Otherwise added columns: the creep that the unknown motion before the record
+    causes, as three exponentials and the creep of a step at the start.
     """
 
     cause: ClassVar[str] = "creep"
@@ -55,29 +58,32 @@ class CreepPart(Part):
     timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("per_decade", "1", lambda e: (0.0, 1.0)),
-        ShapeParameter("from_s", "s", lambda e: (2 * e.Ts_s, e.span_s / LEAST_DECADES), logarithm=True),
+        ShapeParameter("from_s", "s", lambda e: (2 * e.Ts_s, e.span_s / LEAST_DECADES), logarithm=True, closed=True),
     )
     per_decade: float
     from_s: float
+    rested: bool = False
 
     def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
         return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples * Ts_s))))
 
     @property
     def added(self) -> int:
-        return len(PAST_DECAYS) + 1
+        return 0 if self.rested else len(PAST_DECAYS) + 1
 
     @property
     def weight_orders(self) -> float:
-        return octaves(self.added)
+        return octaves(self.added) if self.added else 0.0
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        if self.rested:
+            return []
         t_s = run.time_s(extent.Ts_s)
         fading = [np.exp(-t_s / (share * extent.span_s)) for share in PAST_DECAYS]
         return [*fading, crept_step(t_s, run.whole * extent.Ts_s, self.from_s)]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        return (self.cause, self.from_s)
+        return (self.cause, self.from_s, self.rested)
 
 
 def crept_step(t_s: Floats, span_s: float, from_s: float) -> Floats:
@@ -108,6 +114,35 @@ class CreepCause(Cause):
     slow = True
     part = CreepPart
 
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """Whether the motion before the record that is fitted stayed within the range of the record.
+
+        Slow states that start between the lowest and the highest displacement, low and high, leave in (t, t')
+
+            per_decade (c(t') - c(t)) (high - y(0))   at most, and with low at least,      c: `crept_step`
+
+        and what is beyond by less than the rms error is no motion. Free weights would take a drift beside creep.
+        """
+        part = fit.chain.get(CreepPart)
+        if part is None or part.rested:
+            return True
+        first, start_um = scene.column_of(fit.chain, CreepPart), scene.y_um - scene.y_um[0]
+        times_s = scene.span_s * np.array([0.0, *PAST_DECAYS, 1.0])
+        fading = [np.exp(-times_s / (share * scene.span_s)) for share in PAST_DECAYS]
+        crept = crept_step(times_s, scene.span_s, part.from_s)
+        moved_um = np.diff(fit.weights[first : first + part.added] @ np.vstack([*fading, crept]))
+        least_um, most_um = (-part.per_decade * np.diff(crept) * edge for edge in (start_um.max(), start_um.min()))
+        return bool(np.all((moved_um > least_um - fit.rms_um) & (moved_um < most_um + fit.rms_um)))
+
+    def simpler_forms(self, chain: Chain) -> list[Chain]:
+        """Creep of a stage that rested before the record."""
+        part = chain.of(CreepPart)
+        return [] if part.rested else [chain.having(dataclasses.replace(part, rested=True))]
+
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
+        """The best start of each form."""
+        return list({start.chain.of(CreepPart).rested: start for start in reversed(candidates)}.values())
+
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
         if self.present(chain):
@@ -121,7 +156,8 @@ class CreepCause(Cause):
         for start_s in starts:
             unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
-            candidates.append(chain.having(CreepPart(float(np.clip(creep, LEAST_START, 1.0)), start_s)))
+            per_decade = float(np.clip(creep, LEAST_START, 1.0))
+            candidates += [chain.having(CreepPart(per_decade, start_s, rested)) for rested in (False, True)]
         return candidates
 
     def effect(self, residual: Residual) -> Effect:

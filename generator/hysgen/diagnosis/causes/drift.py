@@ -5,6 +5,7 @@ Its rate is constant, or it decreases with the logarithm of time, like creep fro
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -108,15 +110,17 @@ class DriftCause(Cause):
         """More drift than creep of a move before the record, or a gain that changes about another zero, can leave.
 
         Creep of a move over the whole range, one record length before the record, leaves
-        per_decade * log10(1 + t/T); a drift that slows down has this course, so beside creep it has no score.
+        per_decade * log10(1 + t/T); a drift that slows down has this course, so beside creep it has no score. Beside
+        creep of a stage that rested, every ramp is a drift.
         """
         chain, part = fit.chain, fit.chain.get(DriftPart)
         if part is None:
             return True
-        creep = abs(chain.slow_states(scene.samples, scene.Ts_s).share)
+        creep = chain.get(CreepPart)
         if part.since_s is not None:
-            return creep == 0.0
-        hidden = max(math.log10(2.0) * creep, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
+            return creep is None
+        past = 0.0 if creep is None or creep.rested else creep.per_decade
+        hidden = max(math.log10(2.0) * past, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
         return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
@@ -126,8 +130,11 @@ class DriftCause(Cause):
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""
         chain = residual.fit.chain
-        if chain.slow_states(1, 1.0).share:
-            return [] if self.present(chain) else [chain.having(DriftPart())]
+        creep = chain.get(CreepPart)
+        if creep is not None:
+            # Creep of a free past takes a ramp: the drift is beside that of a stage that rested before, too.
+            rested = [chain.having(dataclasses.replace(creep, rested=True))]
+            return [] if self.present(chain) else [form.having(DriftPart()) for form in (chain, *rested)]
         slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
         part = chain.get(DriftPart)
         if part is not None:

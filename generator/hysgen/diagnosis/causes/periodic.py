@@ -14,10 +14,10 @@ from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
 from hysgen.display import decimal
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.record.series import turning_rows
+from hysgen.record.series import period_of, turning_rows
 
 Floats = NDArray[np.float64]
 
@@ -81,6 +81,11 @@ class PeriodicCause(Cause):
     experiment = "record at least twelve periods"
     part = PeriodicPart
 
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """Whether no line is a harmonic of the period of the command: what repeats with the command is the stage's."""
+        starts_s = [run.time_s(scene.Ts_s)[:: _period(run)] for run in scene.runs if _period(run)]
+        return not any(_same_phase(line_Hz, at_s) for line_Hz in _lines_Hz(fit.chain) for at_s in starts_s)
+
     def without_one_part(self, chain: Chain) -> list[Chain]:
         lines = _lines_Hz(chain)
         fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
@@ -123,12 +128,19 @@ class PeriodicCause(Cause):
 
 
 def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-    """Whether a line has the same phase at all maxima of the command, as its harmonics have.
+    """Whether a line has the same phase at all maxima of the command, as its harmonics have."""
+    return _same_phase(line_Hz, np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs]))
 
-    |mean over the maxima of exp(i phase)| > SAME_PHASE
-    """
-    maxima_s = np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs])
-    return len(maxima_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * maxima_s).mean()) > SAME_PHASE)
+
+def _same_phase(line_Hz: float, at_s: Floats) -> bool:
+    """Whether a line has the same phase at all times at_s: |mean of exp(i phase)| > SAME_PHASE."""
+    return len(at_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * at_s).mean()) > SAME_PHASE)
+
+
+@functools.lru_cache(maxsize=8)
+def _period(run: RunSignals) -> int | None:
+    """The period of the command of a run in samples, None if it has none."""
+    return period_of(run.u_V)
 
 
 @functools.lru_cache(maxsize=8)

@@ -120,6 +120,21 @@ class ResonanceCause(Cause):
     part = ResonancePart
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """Whether the motion drives each mode with at least the power of what rang before the record.
+
+        The columns of the ringing cost no order: a mode that only rings is a line, which nothing drives.
+        """
+        chain = fit.chain
+        residual, ringing = Residual(scene, fit), scene.added_columns(chain)[chain.first_column(ResonancePart) :]
+        for i, fewer in enumerate(self.without_one_part(chain) if chain.modes else ()):
+            at = scene.column_of(chain, ResonancePart) + 2 * i
+            rung = fit.weights[at : at + 2] @ ringing[2 * i : 2 * i + 2][:, scene.rows]
+            driven = residual.changed_by(fewer)[scene.rows]
+            if float(driven @ driven) < float(rung @ rung):
+                return False
+        return True
+
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
         if chain.of(ResonancePart).form is not None:

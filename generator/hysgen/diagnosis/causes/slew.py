@@ -27,8 +27,8 @@ from hysgen.model.path.slew import Slew
 Floats = NDArray[np.float64]
 
 
-QUANTILES = (0.3, 0.45, 0.6, 0.7, 0.77, 0.83, 0.87, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99)
-"""Quantiles of the command's rates that are the starting values of the limit."""
+QUANTILES = (0.3, 0.5, 0.65, 0.77, 0.85, 0.9, 0.935, 0.96, 0.975, 0.985, 0.992, 0.997, 0.999)
+"""Quantiles of the command's rates that are the starting values of the limit; two or three edges are 0.2 % of a log."""
 
 
 @dataclass(frozen=True)
