@@ -9,7 +9,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from hysgen.cli import main
@@ -18,7 +17,7 @@ from hysgen.cli.verbs import demo, link
 from hysgen.firmware.host import Request
 from hysgen.firmware.image import NO_KEY
 from hysgen.firmware.wire import LinkStatus
-from hysgen.model.file import dump_model, load_model
+from hysgen.model.file import load_model
 from hysgen.record.bundled import IDENTIFICATION_ROWS, bundled_csv
 
 STATUS = LinkStatus(6, 0x1001, 0x40000, 77, 2.0 / 3.0, 39.5, 2.0, 0.0, 13, 1, 640, 8, 3, 1, 500, 4, 1200, 1300, 0)
@@ -136,26 +135,6 @@ def test_link_refuses_what_an_action_does_not_take(
     assert main(["link", "port", *words.split()]) == 2
     assert message in capsys.readouterr().err
     assert not [call for call in firmware.calls if call[0] in ("install", "reference", "request")]
-
-
-def test_history_says_what_moved_and_beyond_which_limit(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    model = load_model("appendix_a")
-    for number, factor in (("1", 1.0), ("2", 1.06), ("3", 1.02)):
-        changed = replace(model, consequents=model.consequents * np.array([1.0, factor, 1.0]))
-        Path(f"{number}.json").write_text(dump_model(changed))
-    for limit, code in (("5.9", 1), ("50", 0)):
-        assert main(["history", ".", "--limit", limit, "--json", "../h.json"]) == code
-        shown = capsys.readouterr().out.splitlines()
-        told = json.loads(Path("../h.json").read_text())
-        assert shown[-2].startswith(f"3 models, 1.json to 3.json; drift at rest {told['drift_um']:.3g} um")
-        if code:
-            assert shown[-1].startswith("beyond 5.9 %: ")
-            assert "DC gain" in shown[-1]
-        else:
-            assert shown[-1] == "every change is within 50 %"
 
 
 @pytest.mark.parametrize("equal", [True, False])

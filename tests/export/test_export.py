@@ -1,7 +1,8 @@
-"""Exports: every target computes the bits of the generated C, and its folder works as it is."""
+"""Exports: every target computes the bits of the generated C, its folder works as it is, one more is one file."""
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -13,7 +14,7 @@ import pytest
 
 from fixtures import proof_models
 from fixtures.exported_folders import NAME, TOOLS, exported, model
-from fixtures.tools import need
+from fixtures.tools import library, need
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
@@ -22,6 +23,7 @@ from hysgen.export import export_texts, exports, write_export
 from hysgen.export.base import Samples
 from hysgen.export.check import CORRUPTED, Reference, compare, inputs
 from hysgen.export.component import MODES
+from hysgen.export.fmu import archive, run_fmu
 from hysgen.machine.files import digest
 from hysgen.model.file import load_model
 
@@ -188,3 +190,88 @@ def test_the_verb_writes_checks_and_refuses_by_the_stated_budget(
     assert "forecast: not a function of appendix_a" in capsys.readouterr().err
     with pytest.raises(BudgetError, match="the period of 20 us has 20 at 1 MHz"):
         generate(load_model("appendix_a"), Options(clock_Hz=1e6))
+
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE = "generator/hysgen/export/stream.py"
+ADDED = '''
+"""A program that steps the component over standard input."""
+
+from hysgen.export.base import Export, Option, output_of, results
+
+
+def run_stream(model, folder, samples):
+    output_of(["cc", "-o", "stream", "-Imodel", "-I.", "run.c", f"{model.name}_component.c",
+               f"model/{model.name}.c"], folder)
+    program = str((folder / "stream").resolve())
+    return results(output_of([program, *samples.start], folder, samples.rows.tobytes()))
+
+
+def finish(written):
+    (written.folder / "GREETING").write_text(written.given["greeting"] + " from {{ name }}")
+    return ["GREETING"]
+
+
+EXPORT = Export(
+    "stream", "Stream", {"run.c": "run.c", "{name}.txt": "{{ name }} at {{ Ts_us }} us\\n"},
+    readme="Build run.c.\\n", ways={"cc": run_stream},
+    options=(Option("greeting", "TEXT", "first line of the file GREETING"),), finish=finish,
+)
+'''
+
+
+@pytest.mark.slow
+def test_a_new_export_requires_one_file(tmp_path: Path) -> None:
+    for folder in ("generator", "templates"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    assert not (tmp_path / FILE).exists()
+    (tmp_path / FILE).write_text(ADDED)
+
+    def hysgen(*words: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-m", "hysgen", "export", *words],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path / "generator")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert "--greeting TEXT" in hysgen("--help")
+    said = hysgen("appendix_a", "--to", "stream", "-o", "out", "--greeting", "Hello", "--check", "300")
+    assert "cc             inverse   300 samples, 0 differ" in said
+    assert (tmp_path / "out" / "appendix_a.txt").read_text() == "appendix_a at 20 us\n"
+    assert (tmp_path / "out" / "GREETING").read_text().startswith("Hello")
+    readme = (tmp_path / "out" / "README.md").read_text()
+    assert readme.startswith("# Stream of model `appendix_a`")
+    assert readme.endswith("Build run.c.\n")
+
+
+@pytest.mark.parametrize("standard", [2, 3])
+@pytest.mark.slow
+def test_an_fmu_is_valid_and_holds_nothing_of_python(standard: int, folder: Path) -> None:
+    here = exported(folder, "fmu")
+    library("fmpy")
+    from fmpy.validation import validate_fmu
+
+    path = here / f"{NAME}_fmi{standard}.fmu"
+    assert validate_fmu(str(path)) == []
+    texts = {file.relative_to(here).as_posix(): file.read_text() for file in here.rglob("*.[chx]*") if file.is_file()}
+    assert archive(standard, NAME, texts) == path.read_bytes(), "the same sources make the same archive"
+    content = subprocess.run(["ldd", _binary(path, here)], capture_output=True, text=True, check=True).stdout
+    assert set(re.findall(r"^\s+(\S+?)\.so", content, re.M)) <= {"linux-vdso", "libc", "/lib64/ld-linux-x86-64"}
+
+
+def _binary(path: Path, here: Path) -> str:
+    """The path of the shared library of an FMU, unpacked."""
+    target = here / "unpacked" / path.stem
+    shutil.unpack_archive(path, target, "zip")
+    return str(next((target / "binaries").rglob(f"{NAME}.so")))
+
+
+def test_the_comparison_sees_a_missing_fmu(folder: Path, tmp_path: Path) -> None:
+    exported(folder, "fmu")
+    with pytest.raises(HysgenError, match="is missing; this is not a folder"):
+        run_fmu(2, model(), tmp_path, inputs(Reference.compile(model(), Options()), MODES[0], 10))

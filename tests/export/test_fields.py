@@ -86,20 +86,6 @@ def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
     assert not plain & {"y_next_um", "commit", "answer"}
 
 
-def test_an_auxiliary_channel_starts_in_the_middle_that_its_term_knows() -> None:
-    """Of two channels one has a middle; a character that no name may hold becomes a line."""
-    terms = [SimpleNamespace(kind="x", channels=["room T", "load"], middle=[21.5])]
-    patched = dataclasses.replace(model(), learner=None)
-    facts = component_facts(model(), Options()) | {"learns": False}
-    monkey = pytest.MonkeyPatch()
-    monkey.setattr(fmu, "channels_of", lambda _: ("room T", "load"))
-    given: Any = SimpleNamespace(terms=terms, responds=patched.responds)
-    found = {variable.name: variable for variable in fmu.variables(given, facts)}
-    monkey.undo()
-    assert (found["aux_room_T"].start, found["aux_room_T"].member) == ("21.5", "aux[0]")
-    assert (found["aux_load"].start, found["aux_load"].member) == ("0.0", "aux[1]")
-
-
 @pytest.mark.parametrize(
     ("system", "machine", "two", "three"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import re
 from pathlib import Path
@@ -9,19 +10,83 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.c674x_answers import ACCESSES, ANSWERS
-from fixtures.c674x_operations import (
-    OPERATIONS,
-    REGISTER_OPERATIONS,
-    accesses_give_the_known_answers,
-    executed,
-    specified,
-)
-from fixtures.c674x_packets import run
-from hysgen.checking.symbolic.semantics import FloatUnit, from_image, to_image
+from fixtures.c674x_answers import ACCESSES, ANSWERS, PATTERN, STORED, UNTOUCHED
+from fixtures.c674x_packets import DATA, Bench, index, run
+from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, READS_DESTINATION, FloatUnit, from_image, to_image
 from hysgen.errors import TargetError
 from hysgen_c674x.decode import MODELLED
 from hysgen_c674x.latency import DELAY_SLOTS
+from hysgen_c674x.processor import MEMORY_BASE, RunCounts
+
+OPERATIONS = sorted([*INTEGER, *FLOAT])
+# The bit fields of these, and the whole constant of those, are part of the opcode.
+FIELD_OPERATIONS = ("ext", "extu", "set", "clr")
+CONSTANT_OPERATIONS = ("mvk", "mvkh", "addk")
+REGISTER_OPERATIONS = [each for each in OPERATIONS if each not in FIELD_OPERATIONS + CONSTANT_OPERATIONS]
+
+
+def accesses_give_the_known_answers(mnemonic: str, interpreted: bool) -> None:
+    """The check of one load or store, on the interpreter or on the engine."""
+
+    for answer in ACCESSES[mnemonic]:
+        assert accessed(mnemonic, answer.offset, interpreted) == answer.left
+        if answer.refused is not None:
+            with pytest.raises(TargetError, match="not a multiple of the size"):
+                accessed(mnemonic, f"({answer.refused})", interpreted)
+
+
+def accessed(mnemonic: str, offset: str, interpreted: bool) -> tuple[int, ...] | bytes:
+    """What one access, at `offset` from PATTERN, leaves: registers of a load, memory behind a store."""
+    data = "a11:a10" if mnemonic in ("lddw", "ldndw", "stdw", "stndw") else "a10"
+    memory = {DATA + 4 * i: int.from_bytes(PATTERN[4 * i : 4 * i + 4], "little") for i in range(4)}
+    if mnemonic.startswith("ld"):
+        text = f"{mnemonic} .D1T1 *+a8{offset},{data}\nnop 4"
+        after = run(text, interpreted, memory, a8=DATA, a10=UNTOUCHED, a11=UNTOUCHED)
+        return after["a10"], after["a11"]
+    after = run(f"{mnemonic} .D1T1 {data},*+a8{offset}", interpreted, memory, a8=DATA, a10=STORED[0], a11=STORED[1])
+    return bytes(after.memory[DATA - MEMORY_BASE :][:16])
+
+
+def specified(mnemonic: str, sources: tuple[int, ...], unit: FloatUnit | None = None) -> int:
+    if mnemonic in FLOAT:
+        return FLOAT[mnemonic](unit or FloatUnit(), *sources)
+    return INTEGER[mnemonic](*sources)
+
+
+def executed(mnemonic: str, sources: tuple[int, ...], interpreted: bool) -> tuple[int, RunCounts]:
+    """The result of one instruction, its register sources set before."""
+    constants, registers = split(mnemonic, sources)
+    first = index("a9" if mnemonic in READS_DESTINATION else "a4")
+    named = {f"a{first + offset}": image for offset, image in enumerate(registers)}
+    after = bench(interpreted).run(label(mnemonic, constants), **named)
+    return after["a9"], after.counts
+
+
+def label(mnemonic: str, constants: tuple[int, ...]) -> str:
+    return "_".join(["entry", mnemonic, *map(str, constants)])
+
+
+def split(mnemonic: str, sources: tuple[int, ...]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Which sources are constants in the opcode, which come from registers."""
+    if mnemonic in FIELD_OPERATIONS:
+        return sources[1:], sources[:1]
+    if mnemonic in CONSTANT_OPERATIONS:
+        return sources[:1], sources[1:]
+    return (), sources
+
+
+@functools.cache
+def bench(interpreted: bool) -> Bench:
+    """A function for every operation, and for every set of constants in its opcode that an answer asks for."""
+    functions: dict[str, str] = {}
+    for mnemonic, sources in ((each, sources) for each in OPERATIONS for sources, _ in ANSWERS[each]):
+        constants, registers = split(mnemonic, sources)
+        printed = [str(value - 2**32 if value >= 2**31 else value) for value in constants]
+        if mnemonic not in READS_DESTINATION:
+            operands = [f"a{4 + i}" for i in range(len(registers))]
+            printed = [*operands, *printed] if mnemonic in FIELD_OPERATIONS else [*printed, *operands]
+        functions[label(mnemonic, constants)] = f"b .S2 b3\n{mnemonic} .S1 {','.join([*printed, 'a9'])}\nnop 4"
+    return Bench("\n".join(f"{name}:\n{text}" for name, text in functions.items()), interpreted)
 
 
 def test_every_operation_has_known_answers_and_a_latency() -> None:

@@ -234,37 +234,6 @@ def test_processes_are_as_many_as_are_asked_for_or_cores_up_to_four(monkeypatch:
     assert processes.processes() == 1
 
 
-def test_helpers_are_the_processes_beside_this_as_memory_allows_and_are_closed(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[Any] = []
-
-    class Pool:
-        def __init__(self, count: int, module: str) -> None:
-            made.append([count, module])
-
-        def compute(self, function: Any, items: Any, order: Any) -> Any:
-            made.append(list(order))
-            assert processes.in_processes(abs, [-1, -2]) == [1, 2], "a call inside an item finds no helpers"
-            return [function(item) for item in items]
-
-        def close(self) -> None:
-            made.append("closed")
-
-    monkeypatch.setattr(processes, "_Pool", Pool)
-    monkeypatch.setenv("HYSGEN_PROCESSES", "4")
-    for room, count in ((99, 3), (2, 2), (1, 1), (0, 0)):
-        made.clear()
-        monkeypatch.setattr(processes, "has_room", lambda size, room=room: size <= room * threads.THREAD)
-        with processes.several_processes("math"), processes.several_processes("math"):
-            assert processes.in_processes(abs, [-5]) == [5], "one item is computed here"
-            assert processes.in_processes(abs, [-5, 7, -6], cost=abs) == [5, 7, 6]
-            assert processes.in_processes(abs, [-5, 7]) == [5, 7]
-        assert made == ([[count, "math"], [1, 2, 0], [0, 1], "closed"] if count else [])
-    monkeypatch.setattr(processes, "_is_python", lambda: False)
-    made.clear()
-    with processes.several_processes("math"):
-        assert made == []
-
-
 def test_threads_are_counted_with_those_of_compiled_libraries() -> None:
     assert processes._threads() == len(os.listdir("/proc/self/task")) >= threading.active_count()
 

@@ -107,11 +107,14 @@ def test_a_length_is_read_in_each_unit(text: str, um: float) -> None:
 def test_a_statement_of_the_sensor_keeps_its_two_numbers_and_refuses_the_rest() -> None:
     assert sensor_uncertainty("5nm,k=2") == SensorUncertainty(0.005, 2.0, "stated: 5nm,k=2")
     assert sensor_uncertainty("5nm") == SensorUncertainty(0.005, 1.0, "stated: 5nm")
+    assert sensor_uncertainty("0.1 um, k = 2").standard_um == pytest.approx(0.05)
     for text, said in {
         "5nm,k=two": "the coverage factor 'two' is not a positive number",
         "5nm,k=-1": "the coverage factor '-1' is not a positive number",
         "5nm,k": "'5nm,k' is not LENGTH,k=FACTOR",
         "5nm,=2": "is not LENGTH,k=FACTOR",
+        "5nm,k=0": "not a positive",
+        **dict.fromkeys(("5", "5V"), "is not a length"),
     }.items():
         with pytest.raises(HysgenError, match=said):
             sensor_uncertainty(text)

@@ -22,7 +22,6 @@ from hysgen.uncertainty.gum import (
     SensorUncertainty,
     independent_samples,
     rectangular,
-    sensor_uncertainty,
 )
 from hysgen.uncertainty.history import history
 from hysgen.uncertainty.simulated import Evidence, Repeatability, budget, repeatability
@@ -92,28 +91,6 @@ def test_one_virtual_stage_is_covered() -> None:
     assert 0.0 < found.sensor < 1.0
 
 
-@pytest.mark.parametrize(
-    ("text", "standard_um"),
-    [("5nm,k=2", 0.0025), ("0.1 um, k = 2", 0.05), ("5nm", 0.005), ("1e-3um,k=1.96", 1e-3 / 1.96)],
-)
-def test_sensor_uncertainty_from_text(text: str, standard_um: float) -> None:
-    assert sensor_uncertainty(text).standard_um == pytest.approx(standard_um)
-
-
-@pytest.mark.parametrize(
-    ("text", "complaint"),
-    [
-        ("5", "is not a length"),
-        ("5nm,p=2", "is not LENGTH,k=FACTOR"),
-        ("5nm,k=0", "not a positive"),
-        ("5V", "not a length"),
-    ],
-)
-def test_sensor_uncertainty_that_is_none_is_refused(text: str, complaint: str) -> None:
-    with pytest.raises(HysgenError, match=complaint):
-        sensor_uncertainty(text)
-
-
 def record_of_cycles(spread_um: float, noise_um: float, cycles: int, reversal_um: float = 0.0) -> Record:
     """Levels 0, 10, 20, 30 V up and down; positions 0.05 um/V, less `reversal_um` on the way up."""
     random = np.random.default_rng(3)
@@ -136,19 +113,6 @@ def test_repeatability_of_repeated_levels() -> None:
     assert (once.spread_um, once.freedom, once.holds) == (None, 0, 7)
     moving = Record.from_arrays(np.arange(500.0), np.arange(500.0), 1e-3)
     assert repeatability(moving) == Repeatability(None, 0, 0)
-
-
-def test_repeatability_of_two_levels_by_hand() -> None:
-    """1 V is reached from 0 V at 2.0, 2.2 and 2.4 um, 0 V from 1 V at 0.1 and 0.3 um: s^2 = (0.08 + 0.02) / (2 + 1).
-
-    The first half of a hold is no part of its position.
-    """
-    places = [(0.0, 7.0), (1.0, 2.0), (0.0, 0.1), (1.0, 2.2), (0.0, 0.3), (1.0, 2.4)]
-    u = np.repeat([volts for volts, _ in places], 40)
-    y = np.concatenate([np.r_[np.full(20, 9.0), np.full(20, place)] for _, place in places])
-    levels = repeatability(Record.from_arrays(u, y, 1e-3, accept=("constant",)))
-    assert levels.spread_um == pytest.approx(math.sqrt(0.1 / 3.0))
-    assert (levels.freedom, levels.holds) == (3, 6)
 
 
 def test_model_error_is_split_by_cause_and_its_sum_is_kept() -> None:
