@@ -95,18 +95,6 @@ def test_segment_numbers_part_a_run_and_come_back_to_no_earlier_one() -> None:
         runs_of_table("f", table(columns, CHOSEN))
 
 
-def test_a_missing_column_is_refused_with_the_cure_that_fits() -> None:
-    for columns, words in (
-        ({"t": K, "a": K, "b": K}, r"no voltage column 'u'.*the header names t, a, b; say which one it is"),
-        ({"t": K, "a": K}, "the file holds one channel; put voltage and displacement into one"),
-        ({"t;u;y": K}, "give --columns separator="),
-    ):
-        with pytest.raises(RecordError, match=words):
-            runs_of_table("f", table(columns, CHOSEN if "t" in columns else Columns(time="", voltage="u", Ts_s=1.0)))
-    with pytest.raises(RecordError, match="without time stamps, --columns Ts_s=SECONDS"):
-        runs_of_table("f", table({"u": K, "y": K, "z": K}, CHOSEN))
-
-
 def test_arrays_of_two_groups_are_two_runs_and_lengths_agree() -> None:
     groups: dict[str, Any] = {f"{g}/{name}": K + g for g in (1, 2) for name in ("t", "u", "y", "more")}
     groups["Ts"] = np.array([1.0])
@@ -142,11 +130,6 @@ def test_a_last_line_cut_short_is_left_out_and_a_whole_one_is_not(last: str, kep
     found = read_csv("f", data, Columns())
     assert len(found.columns["voltage_V"]) == kept
     assert any("cut short" in remark for remark in found.remarks) is said
-
-
-def test_a_line_cut_short_inside_is_refused_by_its_number() -> None:
-    with pytest.raises(RecordError, match="line 3: has 2 fields, the header has 3; complete the row"):
-        read_csv("f", text("time_s,voltage_V,displacement_um", "0,1,2", "1,2", "2,3,4"), Columns())
 
 
 @pytest.mark.parametrize(("apart", "same"), [(0.49, True), (0.51, False)])
@@ -187,18 +170,6 @@ def test_columns_of_words_are_left_out_with_a_remark_unless_channels_are_chosen(
         "f: column note holds 'ok', not numbers, and is left out"
     ]
     assert read_csv("f", data, Columns.from_text("aux=temp")).remarks == ()
-
-
-def test_cells_may_say_the_unit_and_not_another_than_the_name() -> None:
-    data = text("time_s,voltage_V,displacement", "0,1,2 nm", "1,2,3 nm", "2,3,0.004 um")
-    found = read_csv("f", data, Columns(displacement="displacement"))
-    assert found.columns["displacement"].tolist() == pytest.approx([2.0, 3.0, 4.0])
-    assert found.chosen.unit("displacement") is not None
-    assert any("displacement is read in nm, as its cells say" in remark for remark in found.remarks)
-    with pytest.raises(RecordError, match="is in V by its name and in mV by its cells; correct one of the two"):
-        read_csv("f", text("time_s,voltage_V,displacement_um", "0,1 mV,2", "1,2 mV,3"), Columns())
-    with pytest.raises(RecordError, match="line 3: displacement_um is '0x1F', a hexadecimal number; write decimal"):
-        read_csv("f", text("time_s,voltage_V,displacement_um", "0,1,2", "1,2,0x1F"), Columns())
 
 
 # Tables of MATLAB
