@@ -111,7 +111,7 @@ def test_literal_reads_back_to_the_same_bits(value: float) -> None:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_literal_refuses_what_is_no_number(value: float) -> None:
-    with pytest.raises(ValueError, match="no float32 literal"):
+    with pytest.raises(HysgenError, match="no float32 literal"):
         literal(np.float32(value))
 
 

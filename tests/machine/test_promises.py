@@ -19,6 +19,7 @@ import pytest
 from hysgen.errors import BuildError, HysgenError
 from hysgen.machine import files, kernel_build, native, processes, reproducible, threads
 from hysgen.machine.cache import LruCache
+from hysgen.machine.files import unsealed
 from hysgen.machine.native import Toolchain, build, cached_object
 
 # Builds
@@ -66,7 +67,7 @@ def test_an_object_is_compiled_again_for_its_own_headers_only_and_leaves_no_litt
     }
     first = object_of("a.c", texts)
     assert object_of("a.c", texts | {"other.h": "changed"}) == first
-    assert (made, first.suffix, first.read_bytes(), len(first.stem)) == (["a.c"], ".o", b"a.c", 32)
+    assert (made, first.suffix, unsealed(first), len(first.stem)) == (["a.c"], ".o", b"a.c", 32)
     changed = [{"b.h": "x"}, {"a.h": "x"}, {"a.c": texts["a.c"] + "x"}]
     paths = {object_of("a.c", texts | change) for change in changed}
     paths |= {object_of("a.c", texts, ("cc", "-O3")), object_of("b.c", texts | {"b.c": texts["a.c"]})}
@@ -300,31 +301,9 @@ def test_an_array_is_summed_in_sequence_and_its_exponential_is_within_one_unit()
     assert np.array_equal(drawn, -2.0 + 7.0 * np.random.default_rng(3).random(1000))
 
 
-def test_roots_are_those_of_the_polynomial_also_from_equal_initial_values() -> None:
-    with localcontext() as context:
-        context.prec = reproducible.DIGITS
-        cubic = [Decimal(1), Decimal(-6), Decimal(11), Decimal(-6)]
-        found, converged = reproducible.roots(cubic, [0.9 + 0.1j, 2.2, 2.9 - 0.2j])
-        assert converged
-        assert sorted(round(float(p[0]), 12) for p in found) == [1.0, 2.0, 3.0]
-        assert max(abs(float(p[1])) for p in found) < 1e-40
-        pair, converged = reproducible.roots([Decimal(1), Decimal(0), Decimal(1)], [0.0, 0.0])
-        assert converged, "equal initial values are moved apart"
-        assert sorted(float(p[1]) for p in pair) == [-1.0, 1.0]
-        assert reproducible.derivative(cubic) == [3, -12, 11]
-        assert reproducible.value(cubic, (Decimal(0), Decimal(1))) == (0, 10)
-        assert reproducible.quotient((Decimal(1), Decimal(3)), (Decimal(1), Decimal(-1))) == (-1, 2)
-        assert reproducible.modulus((Decimal(3), Decimal(-4))) == 5
+def test_a_spectral_radius_has_nine_digits() -> None:
     A = np.array([[0.5, 2.0, 0.0], [-0.5, 0.5, 0.0], [1.0, 7.0, -0.9]])
-    assert reproducible.spectral_radius(A) == math.sqrt(1.25)
-    with localcontext() as context:
-        context.prec = reproducible.DIGITS
-        assert [float(c) for c in reproducible.characteristic(A)] == [
-            1.0,
-            pytest.approx(-0.1),
-            pytest.approx(0.35),
-            pytest.approx(1.125),
-        ]
+    assert reproducible.spectral_radius(A) == 1.11803399 == round(math.sqrt(1.25), 8)
 
 
 def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(

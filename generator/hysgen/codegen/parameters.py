@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.codegen.structs import consequents, rule_axis
+from hysgen.errors import ModelError
 from hysgen.float32.coefficients import WINDOW_REACH, Coefficients
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest
@@ -209,13 +210,13 @@ def literal(value: np.float32) -> str:
     >>> literal(np.float32(0.1))
     '0.100000001f'
 
-    Raises ValueError if the text does not read back to the same bits or the value is not finite.
+    Raises ModelError if the text does not read back to the same bits or the value is not finite.
     """
     text = f"{float(value):.9g}"
     if "." not in text and "e" not in text:
         text += ".0"
     if not np.isfinite(value) or bits(np.float32(text)) != bits(value):
-        raise ValueError(f"{value!r} has no float32 literal")
+        raise ModelError(f"a number of the model is {value} in float32, which has no float32 literal; scale the record")
     return text + "f"
 
 

@@ -122,7 +122,8 @@ class Creep(InputBlock):
 @functools.lru_cache(maxsize=64)
 def _zero(block: Creep, Ts_s: float) -> float:
     rates = block.rates(Ts_s)
-    return spectral_radius(np.diag(1.0 - rates) - block.amount * rates[:, None])
+    # Similar to diag(1 - a) - amount a 1', and symmetric: the eigenvalues close to 1 keep their digits.
+    return spectral_radius(np.diag(1.0 - rates) - block.amount * np.sqrt(np.outer(rates, rates)))
 
 
 class CreepMirror(BlockMirror):
