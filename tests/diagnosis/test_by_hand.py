@@ -223,23 +223,3 @@ def test_a_residual_is_said_in_words() -> None:
             words,
             words.replace("fast", "slow"),
         )
-
-
-def test_what_to_record_next_follows_from_turns_swings_durations_and_rests() -> None:
-    def next_for(u_V: np.ndarray) -> str:
-        return identifiability.next_experiment(SimpleNamespace(u_V=u_V, cut=u_V.size))  # type: ignore[arg-type]
-
-    k = np.arange(6000)
-    rest = np.full(1500, 50.0)
-    alike = next_for(50.0 + 40.0 * np.sin(k / 50.0))
-    assert alike.startswith("drive with nested amplitudes, 20 to 100 % of the range")
-    assert "two frequencies at least a decade apart" in alike
-    assert alike.endswith("plateaus of a second or more after full strokes, to tell creep from drift")
-    assert "plateaus" not in next_for(np.concatenate([50.0 + 40.0 * np.sin(k / 50.0), rest]))
-    assert next_for(np.linspace(0.0, 1.0, 500) ** 2).startswith("drive with more turning points: triangles or sines")
-    nested = 50.0 + 40.0 * np.exp(-k / 2000.0) * np.sin(k / 50.0)
-    assert "nested" not in next_for(nested)
-    swept = 50.0 + 40.0 * np.sin(2e-5 * k**2.0)
-    assert "two frequencies" not in next_for(swept)
-    rich = np.concatenate([50.0 + 40.0 * np.exp(-k / 2000.0) * np.sin(1e-5 * k**2.0), rest])
-    assert next_for(rich) == ""

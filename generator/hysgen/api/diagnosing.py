@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.api.models import Progress, score, scored, sound_record, warn, with_changes
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate
+from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate, name_causes
+from hysgen.diagnosis.experiment import Limits, in_words, lacking, voltage, with_time_for
+from hysgen.diagnosis.identifiability import Ability
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores
 from hysgen.record import Record, check_for_fit, check_validation
+from hysgen.record.csv_text import write_csv
 from hysgen.report.words import price_of
 
 if TYPE_CHECKING:
     from hysgen.report.page import Page
+
+Floats = NDArray[np.float64]
 
 
 def diagnose(
@@ -45,6 +54,50 @@ def diagnose(
 def scored_extension(study: Study) -> Model:
     """The extended model with its scores on the identification rows."""
     return scored(study.model, study.record.rows(0, study.cut))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class NextExperiment:
+    """A voltage that shows what a record cannot: u_V, (n,), at Ts_s; words: its pieces.
+
+    now, then: what the record can tell about every cause, and what a record of this voltage would, as predicted by the
+    model of the diagnosis with noise as large as its floor.
+    """
+
+    u_V: Floats
+    Ts_s: float
+    words: str
+    now: tuple[Ability, ...]
+    then: tuple[Ability, ...]
+
+    def csv(self) -> str:
+        """`time_s,voltage_V`, every number as the float64 that it is."""
+        time_s = (np.arange(len(self.u_V)) * self.Ts_s).tolist()
+        return write_csv({"time_s": time_s, "voltage_V": self.u_V.tolist()})
+
+    def to_json(self) -> dict[str, Any]:
+        """The pieces in words, the length, and what each record can tell (`Ability.to_json`)."""
+        tells = {"now": self.now, "predicted": self.then}
+        return {"words": self.words, "rows": len(self.u_V), "period_s": self.Ts_s} | {
+            name: [ability.to_json() for ability in abilities] for name, abilities in tells.items()
+        }
+
+
+def next_experiment(study: Study, **stated: float) -> NextExperiment:
+    """The voltage to play next: what the record of a diagnosis cannot tell.
+
+    stated: fields of `Limits`, as high_V=120; the others are those of the record, with as many seconds as it takes.
+    Raises HysgenError if the record lacks nothing, or the limits leave no room.
+    """
+    u_V, now = study.record.rows(0, study.cut).u_V, study.diagnosis.abilities
+    pieces = lacking(u_V, [ability.lacks for ability in now])
+    limits = dataclasses.replace(Limits.of(u_V, study.record.Ts_s), **stated)
+    if "seconds" not in stated:
+        limits = with_time_for(pieces, limits)
+    u_V = voltage(pieces, limits)
+    noise_um = study.diagnosis.noise.rms_um * np.random.default_rng(0).standard_normal(len(u_V))
+    played = Record.from_arrays(u_V, study.model.simulate(u_V) + noise_um, limits.Ts_s)
+    return NextExperiment(u_V, limits.Ts_s, in_words(pieces, limits), now, name_causes(played).abilities)
 
 
 def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model], Record], title: str = "") -> Page:

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes, in_ladder_order
 from hysgen.diagnosis.causes.base import Effect
-from hysgen.diagnosis.error_map import turning_points
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import Projector, projector_off, rms
 from hysgen.diagnosis.probe.chain import COMMON
@@ -29,7 +28,7 @@ from hysgen.diagnosis.probe.solve import sensitivities
 from hysgen.diagnosis.score import Scored, least_growth
 from hysgen.display import decimal
 from hysgen.record.noise import NoiseFloor
-from hysgen.record.series import BLOCKS, MEDIAN_TO_DEVIATION, dispersion, plateaus, resolution_um
+from hysgen.record.series import BLOCKS, MEDIAN_TO_DEVIATION, dispersion, resolution_um
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +54,11 @@ class Ability:
     hidden_by: str = ""
     experiment: str = ""
     limit: bool = False
+
+    @property
+    def lacks(self) -> str:
+        """What to record so that the cause shows; empty if an effect of some size shows in this record."""
+        return self.experiment if self.verdict in ("not excited", "hidden") else ""
 
     def text(self) -> str:
         """The verdict in words."""
@@ -170,12 +174,6 @@ NEAR, AT_ONCE = 0.006, 0.8
 """A way, as a share of the stroke, and the share of what is left that changes within it in slow motion, above which it
 is no misfit at any size: hystereses of other equations have up to 0.4, modes 0.65, stick-slip 0.93 to 1.2."""
 
-FEWEST_TURNS = 12
-"""Turning points that the command needs to distinguish memory from a nonlinear curve."""
-
-ALIKE = 0.7
-"""Ratio of the 20 % to the 80 % quantile above which the sizes, or the durations, of the swings count as equal."""
-
 JUMP = 8.0
 """Size of a jump in robust standard deviations of the residual's steps."""
 
@@ -266,21 +264,3 @@ def residual_in_words(residual: Floats, prepared: Prepared, rows: NDArray[np.int
         if gap > 0.5 * rms(centred):
             words.append("depends on the direction")
     return ", ".join(words)
-
-
-def next_experiment(prepared: Prepared) -> str:
-    """The excitation that would distinguish causes which this record cannot distinguish; empty if there are none."""
-    u_V = prepared.u_V[: prepared.cut]
-    turns = turning_points(u_V)
-    swings_V, lengths = np.abs(np.diff(u_V[turns])), np.diff(turns)
-    advice = []
-    if len(turns) < FEWEST_TURNS:
-        advice.append("more turning points: triangles or sines of falling amplitude")
-    else:
-        if np.quantile(swings_V, 0.2) > ALIKE * np.quantile(swings_V, 0.8):
-            advice.append("nested amplitudes, 20 to 100 % of the range, to tell memory from lag")
-        if np.quantile(lengths, 0.2) > ALIKE * np.quantile(lengths, 0.8):
-            advice.append("two frequencies at least a decade apart, to tell delay and modes from lag")
-    if not plateaus(u_V):
-        advice.append("plateaus of a second or more after full strokes, to tell creep from drift")
-    return "drive with " + "; ".join(advice) if advice else ""

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
+from hysgen.diagnosis.experiment import Limits, in_words, lacking, with_time_for
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.extension_forms import extensions_for, with_best_forms
-from hysgen.diagnosis.identifiability import Ability, abilities, next_experiment, unexplained_structure
+from hysgen.diagnosis.identifiability import Ability, abilities, unexplained_structure
 from hysgen.diagnosis.ladder import (
     Gain,
     Rung,
@@ -190,6 +191,9 @@ def name_causes(
     signatures = _signatures(found, whole)
     agreed = in_ladder_order(name for name in signatures if causes()[name].extends)
     noise = residual_noise_floor(prepared.identification(), _usable_error(whole), found.fit.chain.lag_s)
+    able = abilities(Residual(found.scene, found.fit), whole, signatures)
+    lacks = lacking(prepared.u_V[: prepared.cut], [ability.lacks for ability in able])
+    limits = with_time_for(lacks, Limits.of(prepared.u_V[: prepared.cut], prepared.record.Ts_s))
     return Naming(
         prepared,
         found,
@@ -199,8 +203,8 @@ def name_causes(
         agreed,
         noise,
         _unknown(signatures, unexplained_structure(prepared, whole, noise)),
-        abilities(Residual(found.scene, found.fit), whole, signatures),
-        next_experiment(prepared),
+        able,
+        in_words(lacks, limits),
     )
 
 

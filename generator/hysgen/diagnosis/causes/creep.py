@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -110,7 +111,7 @@ def _times_s(from_s: float, to_s: float) -> Floats:
 class CreepCause(Cause):
     name = "creep"
     rank = 50
-    experiment = "hold the input for a tenth of the record after full strokes"
+    experiment = Piece.RESTS
     slow = True
     part = CreepPart
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
 from hysgen.model.path.delay import Delay
@@ -34,7 +35,7 @@ class DelayPart(Part):
 class DelayCause(Cause):
     name = "delay"
     rank = 30
-    experiment = "drive at two frequencies at least a decade apart"
+    experiment = Piece.RATES
     mistaken_for = ("resonance",)
     part = DelayPart
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.fitting.operator import PathSize
@@ -36,7 +37,7 @@ class MemoryCause(Cause):
     name = "memory"
     kind = "hysteresis"
     rank = 40
-    experiment = "drive with nested amplitudes, 20 to 100 % of the range"
+    experiment = Piece.NESTED
 
     def present(self, chain: Chain) -> bool:
         return chain.memory

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.fitting.operator import RELAXING
@@ -40,7 +41,7 @@ class RelaxationCause(Cause):
     name = "relaxation"
     kind = "hysteresis"
     rank = 45
-    experiment = "drive the same strokes at rates a decade apart, with plateaus between them"
+    experiment = Piece.RATES
     mistaken_for = ("creep",)
     part = RelaxationPart
     starts = 2

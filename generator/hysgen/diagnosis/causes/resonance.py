@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -116,7 +117,7 @@ class ResonanceCause(Cause):
     name = "resonance"
     kind = "modes"
     rank = 60
-    experiment = "drive with steps, or with frequencies up to a tenth of the sampling rate"
+    experiment = Piece.BAND
     part = ResonancePart
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 

@@ -19,6 +19,7 @@ from hysgen.diagnosis.causes.base import (
     Signature,
     limited_rows,
 )
+from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.machine.kernels import rate_limited
@@ -69,7 +70,7 @@ class SlewPart(Part):
 class SlewCause(Cause):
     name = "slew"
     rank = 20
-    experiment = "drive with steps"
+    experiment = Piece.STEPS
     part = SlewPart
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
