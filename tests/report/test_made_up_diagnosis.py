@@ -219,9 +219,12 @@ def test_verdict_without_an_extension_says_why() -> None:
     deviation = float(np.std(Y_UM[CUT:]))
     for part, useless in ((0.89, False), (0.91, True)):
         said = words.verdict(study(remaining=left(part * deviation)))[1]
-        assert said.startswith("A constant is as good as every model of the displacement: it does") == useless
+        assert said.startswith("A constant is as good as every model here of the displacement: a linear") == useless
     record = Record.from_arrays(U_V, 0.1 * np.roll(np.random.default_rng(3).normal(size=N), 0), TS_S)
-    assert "aligned" not in "".join(words.verdict(dataclasses.replace(study(), record=record)))
+    loose = dataclasses.replace(study(), record=record)
+    assert words.verdict(loose)[0].startswith("The displacement does not follow the voltage: a linear")
+    assert (loose.follows_voltage, study().follows_voltage) == (False, True)
+    assert "aligned" not in "".join(words.verdict(loose))
 
 
 def test_terminal_shows_rows_notes_evidence_and_refusals() -> None:

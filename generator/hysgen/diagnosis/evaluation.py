@@ -23,6 +23,7 @@ from hysgen.display import Displayed, Summary
 from hysgen.fitting import FitSettings
 from hysgen.model.model import Model
 from hysgen.record import Record
+from hysgen.record.relation import unrelated
 
 __all__ = [
     "Extension",
@@ -130,6 +131,11 @@ class Study(Displayed):
         return [*rows, ["noise floor", *self._size(diagnosis.noise.rms_um), *[""] * 6]]
 
     @property
+    def follows_voltage(self) -> bool:
+        """Whether the displacement follows the voltage (`record.relation`): else no model is one of the stage."""
+        return unrelated(self.record.segments) is None
+
+    @property
     def improved(self) -> bool:
         """Whether the extended model differs from the base."""
         return bool(self.extended)
@@ -170,6 +176,7 @@ class Study(Displayed):
                 "samples": self.record.samples,
                 "identified_rows": [0, self.cut],
                 "span_um": self.span_um,
+                "follows_voltage": self.follows_voltage,
             },
             "error_of_base": self.before.to_json(),
             "error_of_extended": self.after.to_json(),

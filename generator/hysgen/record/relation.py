@@ -142,6 +142,14 @@ def coherent_share(run: Segment) -> float:
     return max(share - bias, 0.0) / (1.0 - bias)
 
 
+def unrelated(runs: Sequence[Segment]) -> float | None:
+    """Share of the variance that a linear response explains if y does not follow u, on the longest run; else None."""
+    run = max(runs, key=lambda segment: segment.u_V.size)
+    lag = lag_of(run)
+    share = 1.0 if lag is None or abs(lag.correlation) >= UNRELATED else coherent_share(run)
+    return share if share < UNEXPLAINED else None
+
+
 def slow_response(run: Segment) -> float:
     """Correlation of displacement and voltage at the lowest frequencies that hold SLOW of the voltage's power, -1 to 1.
 
@@ -179,8 +187,8 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
         )
         return
     if abs(lag.correlation) < UNRELATED:
-        share = coherent_share(run)
-        if share < UNEXPLAINED:
+        share = unrelated([run])
+        if share is not None:
             yield (
                 f"{names} does not follow {drive}: largest correlation {lag.correlation:.2f}, a linear response "
                 f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"

@@ -17,7 +17,7 @@ from hysgen.diagnosis.evaluation import LADDER, Study
 from hysgen.display import decimal, table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
-from hysgen.record.relation import misaligned
+from hysgen.record.relation import coherent_share, misaligned, unrelated
 
 UNITS = {
     "half_widths": "of each half-width per factor e of time",
@@ -124,9 +124,18 @@ def verdict(study: Study) -> list[str]:
         f"{diagnosis.base_rms_um:.3g} um rms in free run, held out; the noise is {diagnosis.noise.rms_um:.2g} um."
     )
     apart = _apart(study)
+    share = unrelated(study.record.segments)
+    if share is not None:
+        return [
+            f"The displacement does not follow the voltage: a linear response explains {100.0 * share:.0f} % of it. "
+            "Check that the sensor is connected and the columns are right; no model of it is one of the stage.",
+            wrong,
+            *_left(diagnosis.unknown),
+        ]
     if not _follows(study):
-        constant = "A constant is as good as every model of the displacement"
-        constant += " as it is logged." if apart else ": it does not follow the voltage."
+        linear = coherent_share(max(study.record.segments, key=lambda segment: segment.samples))
+        constant = "A constant is as good as every model here of the displacement"
+        constant += " as it is logged." if apart else f": a linear response to the voltage explains {linear:.0%} of it."
         return [wrong, *apart, constant, *_left(diagnosis.unknown)]
     wrong = "\n".join([wrong, *apart])
     if not diagnosis.causes:

@@ -87,7 +87,8 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
 
         write_whole(Path(arguments.report), diagnosis_page(study, budget, command=command_line()).html())
         console.say(f"written: {arguments.report}")
-    return console.finish(study.to_json() | ({"uncertainty": budget.to_json()} if budget else {}))
+    result = study.to_json() | ({"uncertainty": budget.to_json()} if budget else {})
+    return console.finish(result, study.follows_voltage)
 
 
 def write_pictures(study: Study, folder: Path, force: bool) -> list[Path]:
