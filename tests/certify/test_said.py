@@ -221,7 +221,7 @@ def singular(rules: int = 6) -> Model:
     return dataclasses.replace(model, consequents=consequents)
 
 
-@pytest.mark.parametrize("rules", [6, 20])
+@pytest.mark.parametrize("rules", [6, pytest.param(20, marks=pytest.mark.slow)])
 def test_a_singular_model_is_refused_and_generates_over_the_range_where_it_is_not(rules: int) -> None:
     with pytest.raises(CertificateError, match=r"at y = 9 um.*--displacement-range"):
         generate(singular(rules))

@@ -71,6 +71,7 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(
     assert memory["gain"]["alone"]["fall_um"] > 0.0
 
 
+@pytest.mark.slow
 def test_confidence_is_the_posterior_probability_and_none_for_corrupted_samples(found: Diagnosis) -> None:
     outliers, memory = found.causes
     assert memory.bayes is not None
@@ -79,6 +80,7 @@ def test_confidence_is_the_posterior_probability_and_none_for_corrupted_samples(
     assert outliers.to_json()["confidence"] is None
 
 
+@pytest.mark.slow
 def test_a_number_that_is_not_finite_is_null_in_json(found: Diagnosis) -> None:
     unknown = {"per_s": Estimate(1.0, math.inf), "from_s": Estimate(2.0, math.nan)}
     lost = dataclasses.replace(found.causes[1], parameters=unknown, statistic=math.inf)
@@ -89,6 +91,7 @@ def test_a_number_that_is_not_finite_is_null_in_json(found: Diagnosis) -> None:
     assert json.loads(json.dumps(whole.to_json(), allow_nan=False))["probe_rms_um"] is None
 
 
+@pytest.mark.slow
 def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -> None:
     rates = {"rate_V_per_s": Estimate(800.0, 3.0), "ramp_um_per_s": Estimate(0.5, math.nan)}
     memory = dataclasses.replace(found.causes[1], parameters={**rates, "per_s": Estimate(0.1, 0.01)})

@@ -235,6 +235,7 @@ def test_an_access_out_of_bounds_is_an_alarm(
     assert analyse(eva_sources(entry, *change), "entry.c", "any", options=options).alarms
 
 
+@pytest.mark.slow
 def test_the_firmware_follows_every_required_rule_of_misra() -> None:
     need("cppcheck")
     generated = [(path.name, path.read_text(encoding="utf-8")) for path in MODEL.glob("*.h")]

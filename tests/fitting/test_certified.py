@@ -112,6 +112,7 @@ def test_the_gain_is_bounded_away_from_zero_where_the_record_shows_none() -> Non
         assert certificate.contraction_holds
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000), st.sampled_from([0.3, 0.9, 0.999]))
 @settings(max_examples=8)
 def test_every_certified_fit_holds_its_certificates(seed: int, limit: float) -> None:

@@ -34,7 +34,7 @@ def free_run_um(level_um: float, memory: bool) -> tuple[hysgen.Model, float]:
 @pytest.mark.parametrize("memory", [False, True])
 def test_the_free_run_does_not_depend_on_an_offset(memory: bool) -> None:
     _, at_zero_um = free_run_um(0.0, memory)
-    for level_um in (30.0, 1e3, -12_345.6, 1e6):
+    for level_um in (-12_345.6, 1e6):
         model, rms_um = free_run_um(level_um, memory)
         assert rms_um == pytest.approx(at_zero_um, rel=0.05)
         assert model.grid.y_min_um == pytest.approx(level_um, abs=0.1)
@@ -57,6 +57,7 @@ def test_a_range_asked_for_stands_as_high_as_the_record() -> None:
     assert (model.grid.y_min_um, model.grid.y_max_um) == (990.0, 1010.0)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_names_the_same_causes_at_any_offset() -> None:
     studies = [hysgen.diagnose(record_at(level_um)) for level_um in (0.0, 12_345.0)]
     assert studies[0].names == studies[1].names != ()
