@@ -12,6 +12,7 @@
 
 #define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
 #define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not on (yet) */
+#define BOARD_STOPPED           0x20u /* the stop input asks for what STOP does, for as long as it is there */
 
 /* board_type.h also has BOARD_LOW_V .. BOARD_HIGH_V and BOARD_LOW_UM .. BOARD_HIGH_UM, the ranges of the converters, BOARD_SAFE_V,
  * BOARD_RECORD, a power of two, and BOARD_PERIOD_CYCLES, cycles of the processor from one interrupt to the next. */
@@ -24,7 +25,7 @@ float hysgen_board_displacement_um(board_t *board);
 /* Reference [um] for the sample MODEL_PREVIEW + 1 after this interrupt. */
 float hysgen_board_reference_um(board_t *board);
 
-/* BOARD_AMPLIFIER_ bits, 0 if all is well. */
+/* BOARD_AMPLIFIER_ bits and BOARD_STOPPED, 0 if all is well. */
 uint32_t hysgen_board_amplifier(board_t *board);
 
 /* Put u(k) [V] out; it acts until the next call. */

@@ -127,6 +127,7 @@ static void controller_take_request(controller_t *self)
         /* A processor that fails its self-test stays where it is, and so do impossible settings. The watchdog restarts its counts
          * only where the output rests: a sensor that repeats its reading must not pass because of a CLEAR on the way. */
         self->status &= STATUS_LASTING;
+        self->model.status = 0u;
         self->clears += 1u;
         if (hysgen_controller_drives(self) == 0u) {
             self->first = 0u;
@@ -224,6 +225,7 @@ static void controller_take_over(controller_t *self)
     }
     self->oldest = 0u;
     model_learn_init(&self->learner, &self->model);
+    self->model.status = 0u;  /* of the way here: LOOP may begin below the model's range */
     self->state = CONTROLLER_APPROACH;
 }
 
@@ -389,6 +391,9 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
 /* BOARD_AMPLIFIER_ bits of this sample: of no meaning while the amplifier is off, and waited for in POWER. */
 static void controller_watch_amplifier(controller_t *self, uint32_t amplifier)
 {
+    if (((amplifier & BOARD_STOPPED) != 0u) && (hysgen_controller_drives(self) != 0u) && (self->state != CONTROLLER_TRIP)) {
+        self->state = CONTROLLER_FALL;
+    }
     if (self->state == CONTROLLER_POWER) {
         self->powered = (amplifier == 0u) ? self->powered + 1u : 0u;
     } else if (hysgen_controller_drives(self) != 0u) {

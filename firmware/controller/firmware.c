@@ -39,6 +39,8 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     self->entered = 0u;
     self->asked_um = 0.0f;
     self->asks = 0u;
+    self->lease = 0u;
+    self->heard = 0u;
     hysgen_link_init(&self->link);
     self->settings_wrong = hysgen_settings_check(settings);
     hysgen_controller_init(&self->controller, settings, (self->settings_wrong == NULL) ? settings->off_V : BOARD_SAFE_V);
@@ -245,13 +247,14 @@ static uint8_t firmware_reference(firmware_t *self, const uint8_t *data, uint32_
     if (count == 0u) {
         self->asks = 0u;
         code = LINK_DONE;
-    } else if (count == 4u) {
+    } else if ((count == 4u) || (count == 8u)) {
         const float asked_um = number_of(bytes_word(data));
 
         code = (number_finite(asked_um) != 0u) ? LINK_DONE : LINK_VALUE;
         if (code == LINK_DONE) {
             self->asked_um = asked_um;
             self->asks = 1u;
+            self->lease = (count == 8u) ? bytes_word(&data[4]) : 0u;
         }
     } else {
         /* Neither a word nor nothing. */
@@ -274,7 +277,9 @@ static uint8_t firmware_piece(firmware_t *self, const uint8_t *data, uint32_t co
             self->image_pending = 0u;
             self->image_arrives = 1u;
         }
-        if ((self->image_arrives == 0u) || (offset > self->received) || (length > IMAGE_BYTES - offset)) {
+        if ((self->image_arrives == 0u) && (self->received == IMAGE_BYTES) && (offset == IMAGE_BYTES - length)) {
+            code = LINK_DONE;  /* the last piece once more: its answer was lost */
+        } else if ((self->image_arrives == 0u) || (offset > self->received) || (length > IMAGE_BYTES - offset)) {
             code = LINK_VALUE;
         } else {
             for (uint32_t i = 0u; i < length; ++i) {
@@ -287,7 +292,7 @@ static uint8_t firmware_piece(firmware_t *self, const uint8_t *data, uint32_t co
             self->received = offset + length;
             code = LINK_DONE;
         }
-        if ((code == LINK_DONE) && (self->received == IMAGE_BYTES)) {
+        if ((code == LINK_DONE) && (self->image_arrives != 0u) && (self->received == IMAGE_BYTES)) {
             self->image_pending = 1u;
             self->image_arrives = 0u;
         }
@@ -337,28 +342,39 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
 /* At most so many bytes to and from the line a call: the idle loop has other things to do. */
 #define FIRMWARE_LINE_BYTES 64u
 
-/* Sends what is left of an answer; takes commands as long as nothing is left. */
+/* Sends what is left of an answer, and takes commands. A command that comes while its place is taken by an answer on its way is
+ * dropped, and its sender asks again; STOP is obeyed all the same, so that no flood of commands holds it back. */
 static void firmware_line(firmware_t *self, board_t *board)
 {
     link_t *link = &self->link;
     uint32_t more = 1u;
 
     for (uint32_t i = 0u; (i < FIRMWARE_LINE_BYTES) && (more != 0u); ++i) {
-        if ((link->wire_sent < link->wire_count) && (link->wire_sent < FRAME_WIRE)) {
-            more = hysgen_board_line_write(board, &link->wire[link->wire_sent], 1u);
-            link->wire_sent += more;
-        } else {
-            uint8_t byte = 0u;
+        const uint32_t sends = (uint32_t)(link->wire_sent < link->wire_count) & (uint32_t)(link->wire_sent < FRAME_WIRE);
+        uint32_t sent = 0u;
+        uint8_t byte = 0u;
 
-            more = hysgen_board_line_read(board, &byte, 1u);
-            if (more != 0u) {
-                const uint32_t count = hysgen_frame_take(&link->frame, byte);
+        if (sends != 0u) {
+            sent = hysgen_board_line_write(board, &link->wire[link->wire_sent], 1u);
+            link->wire_sent += sent;
+        }
+        more = hysgen_board_line_read(board, &byte, 1u);
+        if (more != 0u) {
+            const uint8_t *command = link->frame.bytes;
+            const uint32_t count = hysgen_frame_take(&link->frame, byte);
 
-                if (count != 0u) {
-                    firmware_obey(self, link->frame.bytes, count);
+            if (count != 0u) {
+                self->heard = self->controller.samples;
+                if (sends == 0u) {
+                    firmware_obey(self, command, count);
+                } else if ((count == 3u) && (command[0] == LINK_REQUEST) && (command[2] == CONTROLLER_STOP)) {
+                    self->controller.request = CONTROLLER_STOP;
+                } else {
+                    /* Dropped. */
                 }
             }
         }
+        more |= sent;
     }
 }
 
@@ -432,6 +448,11 @@ void hysgen_firmware_idle(firmware_t *self, board_t *board)
         self->image_status = 0u;
     }
     firmware_line(self, board);
+    if ((self->lease != 0u) && (samples - self->heard > self->lease)) {
+        /* Nobody speaks any more who has asked for a reference with a lease. */
+        self->lease = 0u;
+        self->controller.request = CONTROLLER_STOP;
+    }
     firmware_image(self, board);
     if (self->ticked != samples) {
         self->ticked = samples;

@@ -16,6 +16,8 @@ typedef struct {
     image_bench_t bench;
     link_t link;
     volatile float asked_um;         /* reference from the link [um], */
+    uint32_t lease;              /* samples without a frame until STOP, 0: none; */
+    uint32_t heard;              /* sample of the last frame */
     volatile uint32_t asks;          /* 1: in place of the board's; only the idle loop writes both */
     uint8_t incoming[IMAGE_BYTES];
     uint32_t received;           /* bytes of the image that arrived last */

@@ -9,7 +9,7 @@
  *      7, 8   rules, weights
  *      9, 10  device: image_owner_t.device, the low word first
  *     11      build: MODEL_BUILD of the firmware that it is for, or 0 for any with this structure
- *     12      counter: larger than that of the image in use
+ *     12      counter: larger than the largest seen, by IMAGE_STRIDE at most
  *     13 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
  *      then   CRC-32 of all bytes before
  *      last   two words: SipHash-2-4 of all bytes before, with the owner's key, the low word first
@@ -49,7 +49,10 @@
 #define IMAGE_FORGED       13u /* the MAC does not fit the bytes and the owner's key */
 #define IMAGE_STRANGE      14u /* for another device */
 #define IMAGE_OTHER_BUILD  15u /* for another build of the firmware */
-#define IMAGE_REPLAYED     16u /* its counter is not larger than that of the image in use */
+#define IMAGE_REPLAYED     16u /* its counter is not larger than the largest seen, or by more than IMAGE_STRIDE */
+
+/* Most that a counter rises at once: no image can use the counters up. */
+#define IMAGE_STRIDE       65536u
 
 /* Whose images are taken. One const instance per device, in memory that the link cannot read. */
 typedef struct {

@@ -13,7 +13,8 @@
 #define LINK_VERSION    3u
 #define LINK_STATUS     1u  /* no data; answer: LINK_STATUS_WORDS words, see firmware.c */
 #define LINK_REQUEST    2u  /* one byte: CONTROLLER_START, _STOP, _CLEAR or _RECORD */
-#define LINK_REFERENCE  3u  /* a word: reference [um] from now on, in place of the board's; none: the board's again */
+#define LINK_REFERENCE  3u  /* a word: reference [um] from now on, in place of the board's; none: the board's again. A second
+                             * word: samples without any frame until STOP */
 #define LINK_IMAGE      4u  /* a word: offset in the image; then up to LINK_CHUNK bytes of it. Offset 0 begins an image */
 #define LINK_IDENTIFY   5u  /* no data; answer: LINK_IDENTITY_WORDS words, then the model's name */
 #define LINK_TABLE      6u  /* a word: offset in bytes; then up to LINK_CHUNK bytes of its codes, at rest. Offset 0 begins a table */

@@ -16,6 +16,7 @@ typedef struct {
 #define SETTINGS_LONGEST  30000000u  /* samples of a state: 10 minutes */
 #define SETTINGS_SLOWEST  50000u     /* samples until a guard acts: a second */
 
+#define SETTINGS_STEP_SHARE 0.0625f  /* of the model's inputs, see WATCHDOG_JUMP_SHARE */
 #define SETTINGS_SHORTEST 64u        /* samples of HOLD: a mean of so many readings has an eighth of their noise */
 
 /* Trim gain up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
@@ -36,7 +37,7 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "low_V", s->low_V, BOARD_LOW_V, BOARD_HIGH_V },
         { "high_V", s->high_V, s->low_V, BOARD_HIGH_V },
         { "off_V", s->off_V, s->low_V, s->high_V },
-        { "step_V", s->step_V, least, range_V },
+        { "step_V", s->step_V, least, SETTINGS_STEP_SHARE * (MODEL_U_MAX_V - MODEL_U_MIN_V) },
         { "ramp_V", s->ramp_V, least, s->step_V },
         { "ramp_V", s->ramp_V * time, range_V, NUMBER_LARGEST },
         { "loop_low_V", s->loop_low_V, low_V, high_V },

@@ -54,10 +54,10 @@ typedef struct {
 } settings_t;
 
 /* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's; low_V < off_V,
- * loop < high_V, the loop inside the model's range of inputs; ramp_V at most step_V, and such that it crosses low_V .. high_V in
- * state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the model's range or slower than a
- * second; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and a half of the model's gain
- * (tests/firmware/test_trim.py). */
+ * loop < high_V, the loop inside the model's range of inputs; step_V at most a sixteenth of that range; ramp_V at most step_V, and such
+ * that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the
+ * model's range or slower than a second; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and
+ * a half of the model's gain (tests/firmware/test_trim.py). */
 const char *hysgen_settings_check(const settings_t *settings);
 
 #endif

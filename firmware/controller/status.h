@@ -19,6 +19,7 @@
 #define STATUS_IMAGE_REFUSED        0x00001000u  /* a parameter image was refused; `image_answer` says why */
 #define STATUS_IMAGE_FALLBACK       0x00002000u  /* a stored image was not good: an older one, or the built-in numbers */
 #define STATUS_INTERRUPT_LOST       0x00004000u  /* interrupts came more than one and a half periods apart */
+#define STATUS_SENSOR_JUMP          0x00008000u  /* a reading lay far from those before and behind it; the last good one stood in */
 
 #define STATUS_FAULT_SELFTEST       0x00010000u  /* this processor does not compute what was verified */
 #define STATUS_FAULT_SENSOR         0x00020000u  /* too many readings were none */

@@ -69,6 +69,13 @@ static uint32_t store_judge(store_t *self, image_bench_t *bench, model_bank_t *b
     return self->answer;
 }
 
+/* 1 if an image with this answer of store_judge is the owner's for this device, though perhaps of another build, or uncertified. */
+static uint32_t store_authentic(uint32_t answer)
+{
+    return (uint32_t)(answer == IMAGE_GOOD) | (uint32_t)(answer == IMAGE_OTHER_BUILD) | (uint32_t)(answer == IMAGE_NO_NUMBER)
+        | ((uint32_t)(answer > IMAGE_UNCERTIFIED) & (uint32_t)(answer < IMAGE_FORGED));
+}
+
 uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)
 {
     uint32_t sequence[BOARD_SLOTS];
@@ -89,12 +96,16 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
     for (uint32_t i = 0u; i < BOARD_SLOTS; ++i) {
         const uint32_t slot = (i == 0u) ? first : 1u - first;
 
-        if ((found == STORE_NONE) && (sealed[slot] != 0u)) {
-            (void)store_sealed(self, board, slot, &sequence[slot]);
-            if (store_judge(self, bench, bank, IMAGE_BYTES) == IMAGE_GOOD) {
+        if ((found == STORE_NONE) && (sealed[slot] != 0u) && (store_sealed(self, board, slot, &sequence[slot]) != 0u)) {
+            const uint32_t answer = store_judge(self, bench, bank, IMAGE_BYTES);
+            const uint32_t counter = hysgen_image_word(self->bytes, IMAGE_COUNTER);
+
+            if ((store_authentic(answer) != 0u) && (counter > self->counter)) {
+                self->counter = counter;
+            }
+            if (answer == IMAGE_GOOD) {
                 found = slot;
                 self->sequence = sequence[slot];
-                self->counter = hysgen_image_word(self->bytes, IMAGE_COUNTER);
             } else {
                 bad = 1u;
             }
@@ -146,7 +157,9 @@ uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, 
     if (store_judge(self, bench, &good, count) == IMAGE_GOOD) {
         const uint32_t held = store_holds(self, board);
 
-        if ((held == STORE_OTHER) && (hysgen_image_word(self->bytes, IMAGE_COUNTER) <= self->counter)) {
+        const uint32_t rise = hysgen_image_word(self->bytes, IMAGE_COUNTER) - self->counter;
+
+        if ((held == STORE_OTHER) && ((rise == 0u) || (rise > IMAGE_STRIDE))) {
             self->answer = IMAGE_REPLAYED;
         } else if (held != STORE_SEALED) {
             self->answer = store_write(self, board);

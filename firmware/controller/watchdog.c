@@ -1,8 +1,11 @@
 #include "watchdog.h"
 
 #include "board.h"
+#include "model.h"
 #include "number.h"
 #include "status.h"
+
+#define WATCHDOG_JUMP_UM (WATCHDOG_JUMP_SHARE * (MODEL_Y_MAX_UM - MODEL_Y_MIN_UM))
 
 /* Counts a sample; returns 1 once the count has reached `most`. */
 static uint32_t watchdog_count(watchdog_count_t *count, uint32_t bad, uint32_t most)
@@ -31,6 +34,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
 {
     self->reading_um = number_limited(0.0f, BOARD_LOW_UM, BOARD_HIGH_UM);
     self->sample_um = self->reading_um;
+    self->raw_um = number_of(NUMBER_NAN);
     watchdog_restart(&self->unread);
     self->same_V = settings->off_V;
     self->same = 0u;
@@ -48,6 +52,8 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
         status |= STATUS_SENSOR_INVALID;
     } else if ((y_um < BOARD_LOW_UM) || (y_um > BOARD_HIGH_UM)) {
         status |= STATUS_SENSOR_RANGE;
+    } else if ((number_size(y_um - self->reading_um) > WATCHDOG_JUMP_UM) && (number_size(y_um - self->raw_um) > WATCHDOG_JUMP_UM)) {
+        status |= STATUS_SENSOR_JUMP;
     } else if (number_bits(y_um) != number_bits(self->reading_um)) {
         self->reading_um = y_um;
         self->same_V = u_V;
@@ -55,6 +61,7 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
     } else {
         self->same += (uint32_t)(self->same < UINT32_MAX);
     }
+    self->raw_um = y_um;
     self->sample_um = (status == 0u) ? y_um : number_of(NUMBER_NAN);
     if (watchdog_count(&self->unread, (uint32_t)(status != 0u), settings->bad_samples) != 0u) {
         status |= STATUS_FAULT_SENSOR;

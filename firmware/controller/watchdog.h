@@ -16,6 +16,11 @@
  * input does not count before the sensor can have seen it. */
 #define WATCHDOG_STUCK 64u
 
+/* Change of a reading per sample beyond which it is none, as a share of the model's range. The largest step_V is a sixteenth of the
+ * model's inputs: a stage whose slope is twice the mean one, and that has no lag at all, moves as far. A reading as far from the last
+ * good one that the next reading confirms is taken: the stage is there. */
+#define WATCHDOG_JUMP_SHARE 0.125f
+
 /* Bad samples of the amplifier's failure until it counts: 60 us of a broken wire, not a spike on it. */
 #define WATCHDOG_DEBOUNCE 3u
 
@@ -27,6 +32,7 @@ typedef struct {
 typedef struct {
     float reading_um;        /* last reading that was one */
     float sample_um;         /* the reading of this sample, NaN where it was none */
+    float raw_um;            /* the reading of the sample before, whatever it was; NaN at first */
     watchdog_count_t unread; /* readings that were none */
     float same_V;            /* input when the reading last changed, */
     uint32_t same;           /* and samples since then */

@@ -76,7 +76,7 @@ def test_with_tis_compiler_interrupt_4_NMI_and_exceptions_are_enabled() -> None:
     chip = Chip()
     chip.lib.TSR = chip.lib.IER = chip.lib.CSR = 0
     chip.lib.hysgen_board_start(chip.board)
-    assert (chip.lib.TSR, chip.lib.IER, chip.lib.CSR) == (4, 0x12, 1)
+    assert (chip.lib.TSR, chip.lib.IER, chip.lib.CSR) == (12, 0x12, 1)
 
 
 def test_the_watchdog_gets_both_words_in_their_order() -> None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import ModelStage, booted, image, model, sine, tracking
+from fixtures.firmware_bench import ModelStage, booted, compiled, image, model, sine, tracking
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import (
     SLOT_BYTES,
@@ -317,3 +317,17 @@ def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
         assert (firmware.bank() != built_in) == keep
         firmware.boot()
         assert firmware.bank() == built_in
+
+
+def test_the_counter_survives_a_new_build_and_cannot_be_used_up() -> None:
+    """An image for the build before is refused at boot, but its counter holds."""
+    firmware = owned()
+    assert firmware.send(encode(SOFT, Label(OWNER.device, build_id(model()), 50), KEY)) == 0
+    newer = replace(model(), consequents=model().consequents * [1.0, 0.99, 1.0])
+    rebuilt = HostFirmware(compiled(newer), ModelStage(model()), owner=OWNER)
+    for slot in (0, 1):
+        rebuilt.slot(slot)[:] = bytes(firmware.slot(slot))
+    rebuilt.boot()
+    assert (rebuilt.firmware.store.counter, rebuilt.firmware.store.slot) == (50, 0xFFFFFFFF)
+    for counter, answer in ((2, 16), (50, 16), (51 + 65_536, 16), (0xFFFFFFFF, 16), (50 + 65_536, 0)):
+        assert rebuilt.send(encode(SOFT, Label(OWNER.device, 0, counter), KEY)) == answer, counter

@@ -163,6 +163,41 @@ def test_the_identity_is_that_of_the_build() -> None:
     assert found.image_bytes == len(encode(model()))
 
 
+def test_the_last_piece_once_more_is_done_and_installs_nothing_again() -> None:
+    """Its answer was lost: the repeat was refused, and the client said that the image was."""
+    firmware = owned()
+    frames = list(image_frames(encode(model(), Label(OWNER.device, 0, 1), OWNER.key)))
+    codes = [payload(firmware.line(each)[:-1]) for each in [*frames, frames[-1]]]
+    assert {code[2] for code in codes if code is not None} == {0}
+    assert (firmware.firmware.store.counter, firmware.firmware.image_pending) == (1, 0)
+
+
+def test_stop_is_obeyed_in_a_flood_of_other_commands() -> None:
+    """The line takes a byte an interrupt each way; an answer to STATUS is ten times as long as the question."""
+    firmware = owned()
+    firmware.start(2.0)
+    flood, stop = command(Command.STATUS), command(Command.REQUEST, 1, bytes([Request.STOP]))
+    for byte in 20 * flood + stop + 20 * flood:
+        taken = firmware.image.library.ffi.new("uint8_t []", [byte])
+        firmware.board.incoming, firmware.board.incoming_count, firmware.board.outgoing_count = taken, 1, 511
+        firmware.image.library.lib.hysgen_firmware_idle(firmware.firmware, firmware.board)
+    firmware.run(np.full(3000, 2.0))
+    assert firmware.state is State.OFF
+
+
+def test_a_reference_with_a_lease_ends_in_a_stop_once_nobody_speaks() -> None:
+    firmware = owned()
+    client = Client(Direct(firmware))
+    firmware.start(2.0)
+    client.reference(2.2, lease=1000)
+    for _ in range(5):
+        firmware.run(np.full(990, 2.0))
+        assert client.status().state == State.TRACK
+    log = firmware.run(np.full(3000, 2.0))
+    assert int(np.argmax(log.state == State.FALL)) == pytest.approx(1000, abs=3)
+    assert firmware.state is State.OFF
+
+
 def test_a_refused_image_is_an_error_with_its_reason() -> None:
     client = Client(Direct(owned()))
     with pytest.raises(ModelError, match="MAC"):

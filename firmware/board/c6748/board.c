@@ -25,7 +25,7 @@ static void board_enable(void)
     TSCL = 0u;             /* any write starts it */
     ISTP = (uint32_t)hysgen_vectors;
     ICR = 0xFFF0u;
-    TSR |= 4u;             /* GEE: a wild opcode raises an exception, which goes to the NMI slot; bus errors do not; start.s sets it for gcc */
+    TSR |= 12u;            /* GEE, XEN: exceptions go to the NMI slot; start.s sets them for gcc */
     IER |= (1u << 4) | 2u; /* interrupt 4, and NMI */
     CSR |= 1u;             /* global enable */
 }
@@ -114,7 +114,7 @@ float hysgen_board_reference_um(board_t *board)
 uint32_t hysgen_board_amplifier(board_t *board)
 {
     (void)board;
-    return ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_AMPLIFIER_PINS;
+    return ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & (BOARD_AMPLIFIER_PINS | BOARD_STOP_PIN);
 }
 
 void hysgen_board_voltage(board_t *board, float u_V)

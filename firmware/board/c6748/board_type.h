@@ -27,6 +27,7 @@
 /* The amplifier's pins, all with pull-downs: a broken wire or an amplifier without power reads as failure and switches it off. */
 #define BOARD_AMPLIFIER_PINS   0x00000003u  /* GP0[0], input: 1 not at a limit; GP0[1], input: 1 no fault */
 #define BOARD_AMPLIFIER_ENABLE 0x00000004u  /* GP0[2], output: 1 on */
+#define BOARD_STOP_PIN         0u           /* none; GP0[5], a pull-down, 1 run: 0x20, and the pin in chip_pins of chip.c */
 #define BOARD_OUTPUTS          (BOARD_AMPLIFIER_ENABLE | BOARD_ADC_RESET)
 #define BOARD_ADC_ZERO_UM      4.916f       /* displacement at 0 V of the A/D */
 #define BOARD_ADC_STEP_UM      0.00025f

@@ -22,6 +22,8 @@
  *           (drivers/spi/spi-davinci.c) has them; pages not known
  *   Timer   [91] 32-bit unchained 28.1.5.4.2.2.4, p. 1238; TCR Table 28-17, p. 1252; TGCR Table 28-18, p. 1254; INTCTLSTAT Table 28-24,
  *           p. 1258; watchdog and its two words 28.1.6, p. 1240-1242
+ *   EXPMASK SPRUFK5, "Interrupt Controller", and SPRUFE8, TSR.XEN: pages not known; events as Linux (arch/c6x/kernel/traps.c) names them.
+ *           What raises which event was not tried on the chip
  *   INTMUX  [91] event 4 is T64P0_TINT12: Table 2-1, p. 70; INTMUX1: SPRUFK5 (megamodule), "Interrupt Controller", page not known */
 
 #include "chip.h"
@@ -71,6 +73,8 @@
 
 #define INTC_INTMUX1     0x01800104u
 #define EVENT_TIMER0     4u             /* T64P0_TINT12 */
+#define INTC_EXPMASK3    0x018000CCu    /* events 96 .. 127; 0: is an exception */
+#define EVENT_FAULTS     0xD5800000u    /* 119, 120, 122, 124, 126: memory faults of the CPU; 127: bus error */
 
 #define CHIP_WAITS       100000u        /* polls until a step counts as failed */
 
@@ -239,6 +243,7 @@ void hysgen_chip_start_sampling(uint32_t period)
     chip_write(CHIP_TIMER0 + CHIP_TIMER_PRD12, period - 1u);
     chip_write(CHIP_TIMER0 + CHIP_TIMER_INTCTL, 1u);          /* PRDINTEN12 */
     chip_change(INTC_INTMUX1, 0x7Fu, EVENT_TIMER0);
+    chip_write(INTC_EXPMASK3, ~EVENT_FAULTS);
     chip_start_watchdog();
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0xB0u);          /* continuous; the pin is high for 4 ticks */
 }

@@ -28,7 +28,7 @@ _c_int00:
         mvc     .S2     B0, AMR
         mvc     .S2     B0, FADCR
         mvc     .S2     B0, FMCR
-        mvk     .S2     4, B0           ; TSR.GEE: a wild opcode raises an exception, which goes to the NMI slot; bus errors do not (not run on the chip)
+        mvk     .S2     12, B0          ; TSR.GEE, TSR.XEN: exceptions, internal and of the events that chip.c lets through, go to the NMI slot
         mvc     .S2     B0, TSR
         callp   .S2     hysgen_start, B3
 stay:   b       .S2     stay

@@ -47,7 +47,7 @@ float hysgen_board_reference_um(board_t *board)
 
 uint32_t hysgen_board_amplifier(board_t *board)
 {
-    return (faulty(board, HOST_FAULT_LIMITS) != 0u ? BOARD_AMPLIFIER_LIMITS : 0u)
+    return (faulty(board, HOST_FAULT_STOPPED) * BOARD_STOPPED) | (faulty(board, HOST_FAULT_LIMITS) != 0u ? BOARD_AMPLIFIER_LIMITS : 0u)
         | (((faulty(board, HOST_FAULT_AMPLIFIER) != 0u) || (board->enabled == 0u) || (board->enabled_for < board->ready_after))
                ? BOARD_AMPLIFIER_FAILED : 0u);
 }

@@ -15,6 +15,7 @@
 #define HOST_FAULT_LATE       6u  /* interrupts take `fault_value` cycles */
 #define HOST_FAULT_OVERRUN    7u  /* the next interrupt waits already */
 #define HOST_FAULT_LOST       8u  /* `fault_value` cycles pass between interrupts */
+#define HOST_FAULT_STOPPED    9u  /* the stop input asks */
 
 /* Of the converters: settings beyond them are refused. */
 #define BOARD_LOW_V            -20.0f

@@ -95,6 +95,7 @@ class FirmwareStatus(IntFlag):
     IMAGE_REFUSED = 0x1000
     IMAGE_FALLBACK = 0x2000
     INTERRUPT_LOST = 0x4000
+    SENSOR_JUMP = 0x8000
     FAULT_SELFTEST = 0x10000
     FAULT_SENSOR = 0x20000
     FAULT_STUCK = 0x40000
@@ -125,6 +126,7 @@ class BoardFault(IntEnum):
     LATE = 6
     OVERRUN = 7
     LOST = 8
+    STOPPED = 9
 
 
 @dataclass(frozen=True)

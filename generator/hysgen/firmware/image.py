@@ -80,7 +80,7 @@ ANSWERS: Final = {
     13: "refused: its MAC does not fit its bytes and the firmware's key",
     14: "refused: for another device",
     15: "refused: for another build of the firmware",
-    16: "refused: its counter is not larger than that of the image in use",
+    16: "refused: its counter is not larger than the largest so far, or by more than 65536",
 }
 """Meaning of the firmware's `image_answer`."""
 

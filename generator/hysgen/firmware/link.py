@@ -118,9 +118,13 @@ class Client:
         """Ask for START, STOP, CLEAR or RECORD (`hysgen.firmware.host.Request`), which the next sample takes."""
         self._ask(Command.REQUEST, bytes([request]))
 
-    def reference(self, reference_um: float | None) -> None:
-        """Follow a constant reference in um in place of the board's; None: the board's again."""
-        self._ask(Command.REFERENCE, b"" if reference_um is None else struct.pack("<f", reference_um))
+    def reference(self, reference_um: float | None, lease: int | None = None) -> None:
+        """Follow a constant reference in um in place of the board's; None: the board's again.
+
+        lease: samples without a word from this client after which the firmware stops; None: it follows for ever.
+        """
+        data = b"" if reference_um is None else struct.pack("<f", reference_um)
+        self._ask(Command.REFERENCE, data + (b"" if lease is None else struct.pack("<I", lease)))
 
     def install(self, data: bytes, progress: Callable[[float], None] = lambda _: None) -> LinkStatus:
         """Send a parameter image and wait until the firmware has judged it; the stage must be off.

@@ -109,13 +109,13 @@ static void watch_sensor(fuzz_t *self, float y_um, float before_V)
     }
 }
 
-/* A reading that repeats itself is a fault once the input has moved by stuck_V. Rounding of the difference: ROUNDING_V. */
+/* A reading that repeats itself is a fault once the input has moved by stuck_V since it was taken: a jump at its second sample. */
 static uint32_t broken_stuck(const fuzz_t *self, float before_V)
 {
     const controller_t *controller = &self->firmware.controller;
     const settings_t *s = &self->settings;
-    const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK)
-        & (uint32_t)(number_size(before_V - self->same_V) > s->stuck_V + ROUNDING_V);
+    const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK + 1u)
+        & (uint32_t)(number_size(before_V - self->same_V) > s->stuck_V + s->step_V + ROUNDING_V);
     const uint32_t told = (uint32_t)((controller->status & STATUS_FAULTS) != 0u);
 
     return ((must != 0u) && (told == 0u)) ? FUZZ_STUCK : 0u;

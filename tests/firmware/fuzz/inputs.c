@@ -58,7 +58,7 @@ static void fault(fuzz_t *self)
 {
     board_t *board = &self->board;
 
-    board->fault = fuzz_below(self, 9u);
+    board->fault = fuzz_below(self, 10u);
     board->fault_value = any(self);
     if ((board->fault == HOST_FAULT_LATE) || (board->fault == HOST_FAULT_LOST)) {
         board->fault_value = fuzz_float(self, 0.0f, 30000.0f);
