@@ -12,12 +12,17 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import TRIM_INTEGRAL, ModelStage, model
+from fixtures.tools import need
+from hysgen.codegen.manifest import c_files
 from hysgen.firmware import host
-from hysgen.firmware.binding import build_id, firmware_model
+from hysgen.firmware.binding import build_id, firmware_model, with_learner
 from hysgen.firmware.host import HostFirmware, HostImage, Settings
 from hysgen.firmware.image import Label, Owner, decode, encode, pack, siphash
 from hysgen.firmware.wire import LinkStatus, frame, payload
+from hysgen.machine.native import Toolchain, build
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.file import load_model
+from hysgen_lab.firmware.reference_models import extended
 
 FUNCTIONS = (
     *("trim_init", "trim_step", "settings_check", "frame_init", "frame_take", "frame_make", "image_check"),
@@ -275,3 +280,16 @@ def test_after_power_on_every_number_of_the_status_is_that_of_a_stage_at_rest() 
     assert said.pop("output_V") == 3.0
     assert said.pop("reference_um") == np.float32(model().grid.y_min_um)
     assert {name: value for name, value in said.items() if value} == {}
+
+
+@pytest.mark.parametrize("name", ["appendix_a", "extended"])
+@pytest.mark.parametrize("level", ["-O2", "-O3"])
+def test_the_self_test_passes_under_link_time_optimisation(name: str, level: str) -> None:
+    """7 and 71 words differed: the hash read words of a struct of floats through a pointer to uint32_t."""
+    need("gcc")
+    toolchain = Toolchain("gcc", (level, "-flto"))
+    sources = c_files(firmware_model(with_learner(load_model(name)) if name == "appendix_a" else extended()))
+    caller = f"#include <stdint.h>\nuint32_t {name}_selftest(void);\nuint32_t differing(void);\n"
+    caller += f"uint32_t differing(void) {{ return {name}_selftest(); }}\n"
+    built = build([*sources.items(), ("caller.c", caller)], "uint32_t differing(void);", toolchain)
+    assert built.lib.differing() == 0

@@ -113,14 +113,24 @@ typedef union {
 
 #define APPENDIX_A_SELFTEST_WORDS(both) ((uint32_t)(sizeof(both) >> 2))
 
-/* Each step is invertible in hash and in the word: a single wrong word always changes the hash. */
+/* Each step is invertible in hash and in the word: a single wrong word always changes the hash. Byte by byte: the words are floats of a
+ * struct, which a compiler may suppose that no read of a uint32_t sees. */
 APPENDIX_A_CODE
 static uint32_t appendix_a_selftest_hash(uint32_t hash, const uint32_t *words, uint32_t count)
 {
+    const unsigned char *from = (const unsigned char *)words;
     uint32_t mixed = hash;
 
     for (uint32_t i = 0u; i < count; ++i) {
-        mixed = (mixed ^ words[i]) * 0x01000193u;
+        union {
+            unsigned char bytes[4];
+            uint32_t word;
+        } copy;
+
+        for (uint32_t j = 0u; j < 4u; ++j) {
+            copy.bytes[j] = from[4u * i + j];
+        }
+        mixed = (mixed ^ copy.word) * 0x01000193u;
     }
     return mixed;
 }
@@ -128,8 +138,10 @@ static uint32_t appendix_a_selftest_hash(uint32_t hash, const uint32_t *words, u
 APPENDIX_A_CODE
 static void appendix_a_selftest_clear(uint32_t *words, uint32_t count)
 {
-    for (uint32_t i = 0u; i < count; ++i) {
-        words[i] = 0u;
+    unsigned char *to = (unsigned char *)words;
+
+    for (uint32_t i = 0u; i < 4u * count; ++i) {
+        to[i] = 0u;
     }
 }
 
