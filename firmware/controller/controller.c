@@ -24,6 +24,7 @@ static float controller_towards(float from, float target, float step)
     return from + ((way < 0.0f) ? -step : step);
 }
 
+/* [S1] */
 uint32_t hysgen_controller_drives(const controller_t *self)
 {
     return (uint32_t)((self->state != CONTROLLER_OFF) && (self->state != CONTROLLER_TRIPPED));
@@ -274,7 +275,7 @@ static float controller_rise(controller_t *self)
     return u_V;
 }
 
-/* The next voltage of the table, and the reading in its place. A voltage beyond range or rate ends the table in front of it. */
+/* The next voltage of the table, and the reading in its place. A voltage beyond range or rate ends the table in front of it. [S12] */
 static float controller_play(controller_t *self)
 {
     const settings_t *settings = self->settings;
@@ -440,7 +441,7 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     controller_trip(self);
     state_V = controller_voltage(self, reference_um);
     controller_limit_time(self, before);
-    /* Each state keeps to the limits by itself, so that model and output get the same voltage. These lines hold for any
+    /* [S2] Each state keeps to the limits by itself, so that model and output get the same voltage. These lines hold for any
      * voltage of a state, even for NaN: the output stays inside its range and below its rate. */
     if (number_finite(state_V) == 0u) {
         state_V = self->output_V;

@@ -42,19 +42,19 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     self->lease = 0u;
     self->heard = 0u;
     hysgen_link_init(&self->link);
-    self->settings_wrong = hysgen_settings_check(settings);
+    self->settings_wrong = hysgen_settings_check(settings);  /* [S3] */
     hysgen_controller_init(&self->controller, settings, (self->settings_wrong == NULL) ? settings->off_V : BOARD_SAFE_V);
     hysgen_play_init(&self->controller.play, hysgen_board_record(board));
     if (hysgen_board_power_on(board) == 0u) {
         const uint32_t *kept = hysgen_board_kept(board);
 
-        self->controller.status |= STATUS_FAULT_RESET;
+        self->controller.status |= STATUS_FAULT_RESET;  /* [S8] */
         self->controller.first = (kept[1] == (kept[0] ^ FIRMWARE_KEPT)) ? kept[0] : 0u;
     }
     if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
     }
-    self->selftest = model_selftest();
+    self->selftest = model_selftest();  /* [S6] */
     if (self->selftest != 0u) {
         self->controller.status |= STATUS_FAULT_SELFTEST;
     }
@@ -78,7 +78,7 @@ void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
     hysgen_board_line_serve(board);
     hysgen_board_amplifier_enable(board, hysgen_controller_drives(&self->controller));
     firmware_keep(board, self->controller.first);
-    /* The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
+    /* [S7] The watchdog waits for both: an idle loop that is stuck stops it too, though not one that erases memory. */
     if (self->controller.samples - self->ticked < FIRMWARE_IDLE_SAMPLES) {
         hysgen_board_alive(board);
     }
@@ -343,7 +343,7 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
 #define FIRMWARE_LINE_BYTES 64u
 
 /* Sends what is left of an answer, and takes commands. A command that comes while its place is taken by an answer on its way is
- * dropped, and its sender asks again; STOP is obeyed all the same, so that no flood of commands holds it back. */
+ * dropped, and its sender asks again; STOP is obeyed all the same, so that no flood of commands holds it back. [S11] */
 static void firmware_line(firmware_t *self, board_t *board)
 {
     link_t *link = &self->link;

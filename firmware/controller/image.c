@@ -62,6 +62,7 @@ static uint32_t image_of_numbers(const uint8_t *bytes)
     return plausible;
 }
 
+/* [S9] */
 uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner)
 {
     uint32_t answer = IMAGE_GOOD;

@@ -22,6 +22,7 @@ typedef struct {
 /* Trim gain up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
 #define SETTINGS_TRIM_INTEGRAL    (0.1f / ((float)MODEL_PREVIEW + 1.0f))
 
+/* [S3] */
 const char *hysgen_settings_check(const settings_t *settings)
 {
     const settings_t *s = settings;

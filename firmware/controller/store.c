@@ -115,7 +115,7 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
     return bad;
 }
 
-/* Write the image in self->bytes to the slot that is not in use, and seal it; both are read back. */
+/* Write the image in self->bytes to the slot that is not in use, and seal it; both are read back. [S10] */
 static uint32_t store_write(store_t *self, board_t *board)
 {
     const uint32_t slot = (uint32_t)(self->slot == 0u);

@@ -44,6 +44,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
     watchdog_restart(&self->late);
 }
 
+/* [S4] */
 uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)
 {
     uint32_t status = 0u;
@@ -72,6 +73,7 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
     return status;
 }
 
+/* [S5] */
 uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um)
 {
     const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > settings->follow_um);
@@ -92,6 +94,7 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
     return status;
 }
 
+/* [S7] */
 uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
 {
     const uint32_t late = (uint32_t)(cycles > BOARD_PERIOD_CYCLES) | overrun;

@@ -3,6 +3,8 @@
 The simulated C674x runs the same drivers over the same model (test_drivers_on_simulator.py).
 """
 
+# Safety case: [S13]
+
 from __future__ import annotations
 
 import numpy as np

@@ -1,5 +1,7 @@
 """A sensor that drifts while trim and learning follow it: told before the stage is more wrong than the settings say."""
 
+# Safety case: [S5]
+
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -1,5 +1,7 @@
 """Faults outside the firmware: the voltage stays within its limits, status bits are set, the stage comes to rest."""
 
+# Safety case: [S2], [S4], [S6], [S7]
+
 from __future__ import annotations
 
 from dataclasses import replace

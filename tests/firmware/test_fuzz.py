@@ -7,6 +7,8 @@ The C of the fuzzer is in tests/firmware/fuzz. It is compiled with -fsanitize=th
 memory are the places where an interrupt may come.
 """
 
+# Safety case: [S1], [S2], [S3], [S10]
+
 from __future__ import annotations
 
 import argparse

@@ -1,5 +1,7 @@
 """Parameter images: running firmware accepts complete, fitting, certified ones and else keeps its parameters."""
 
+# Safety case: [S9], [S10]
+
 from __future__ import annotations
 
 import struct

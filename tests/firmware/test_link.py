@@ -1,5 +1,7 @@
 """The command link: the client drives the firmware over a pseudo-terminal, and over a line that spoils bytes."""
 
+# Safety case: [S11]
+
 from __future__ import annotations
 
 import contextlib

@@ -1,5 +1,7 @@
 """Limits of the output that act: model, learner and stage get the same voltage, whatever the limits leave of it."""
 
+# Safety case: [S2]
+
 from __future__ import annotations
 
 import numpy as np

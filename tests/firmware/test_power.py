@@ -1,5 +1,7 @@
 """High voltage: on between START and OFF only, and never by itself behind a reset."""
 
+# Safety case: [S1], [S8]
+
 from __future__ import annotations
 
 import numpy as np

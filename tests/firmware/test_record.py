@@ -3,6 +3,8 @@
 Over the link as `hysgen link record` does it. The last test closes the loop from board to model and back.
 """
 
+# Safety case: [S12]
+
 from __future__ import annotations
 
 from dataclasses import replace

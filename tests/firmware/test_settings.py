@@ -1,5 +1,7 @@
 """Settings: impossible ones are named at boot and nothing moves; with possible ones no state lasts for ever."""
 
+# Safety case: [S3]
+
 from __future__ import annotations
 
 from dataclasses import fields, replace

@@ -65,7 +65,7 @@ RANGES = {
     "low_V": (BOARD_V[0], None),
     "high_V": (ROOMY.low_V, BOARD_V[1]),
     "off_V": (ROOMY.low_V, ROOMY.high_V),
-    "step_V": (LEAST, BOARD_V[1] - BOARD_V[0]),
+    "step_V": (LEAST, (HIGH_V - LOW_V) / 16),
     "ramp_V": (140 / ROOMY.state_samples, ROOMY.step_V),
     "loop_low_V": (LOW_V, HIGH_V),
     "loop_high_V": (LEAST, HIGH_V),

@@ -243,7 +243,7 @@ void hysgen_chip_start_sampling(uint32_t period)
     chip_write(CHIP_TIMER0 + CHIP_TIMER_PRD12, period - 1u);
     chip_write(CHIP_TIMER0 + CHIP_TIMER_INTCTL, 1u);          /* PRDINTEN12 */
     chip_change(INTC_INTMUX1, 0x7Fu, EVENT_TIMER0);
-    chip_write(INTC_EXPMASK3, ~EVENT_FAULTS);
+    chip_write(INTC_EXPMASK3, ~EVENT_FAULTS);                 /* [S13] */
     chip_start_watchdog();
     chip_write(CHIP_TIMER0 + CHIP_TIMER_TCR, 0xB0u);          /* continuous; the pin is high for 4 ticks */
 }
