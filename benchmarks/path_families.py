@@ -37,16 +37,16 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis import diagnose, procedure
 from hysgen.diagnosis.causes.creep import CreepPart
-from hysgen.diagnosis.causes.delay import DelayPart
-from hysgen.diagnosis.causes.periodic import PeriodicPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
-from hysgen.diagnosis.causes.saturation import SaturationPart
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, Trace, refine, rms
 from hysgen.diagnosis.search import SearchResult, search, thinned
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, fit
 from hysgen.machine.threads import one_blas_thread
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
+from hysgen.model.path.saturation import Saturation
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import CreepEffect, DelayEffect, Effect, PeriodicEffect, ResonanceEffect, SaturationEffect
@@ -136,14 +136,14 @@ def _part(effect: Effect, range_V: tuple[float, float]) -> Part:
         case CreepEffect():
             return CreepPart(effect.per_decade, effect.tau_min_s)
         case DelayEffect():
-            return DelayPart(effect.samples)
+            return Delay(effect.samples)
         case ResonanceEffect():
-            return ResonancePart((Mode(effect.f_Hz, effect.zeta, effect.share),))
+            return Modes.of((Mode(effect.f_Hz, effect.zeta, effect.share),), 1.0)
         case SaturationEffect():
             low_V, high_V = effect.passes_V(*range_V)
-            return SaturationPart(low_V if low_V > range_V[0] else None, high_V if high_V < range_V[1] else None)
+            return Saturation(low_V if low_V > range_V[0] else None, high_V if high_V < range_V[1] else None)
         case PeriodicEffect():
-            return PeriodicPart((effect.f_Hz,))
+            return Periodic((effect.f_Hz,))
     raise TypeError(f"{effect.name}: the chain has no part for it")
 
 

@@ -16,7 +16,7 @@ from hysgen.diagnosis import identifiability
 from hysgen.diagnosis.answer import NamedCause, Price
 from hysgen.diagnosis.causes import Estimate, causes
 from hysgen.diagnosis.causes.base import Known
-from hysgen.diagnosis.causes.creep import CreepPart, creep_block
+from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.causes.drift import Trend
 from hysgen.diagnosis.evaluation import Study, confidence_text, share_text
 from hysgen.diagnosis.extension import Extension
@@ -47,7 +47,10 @@ def test_true_parameters_of_a_plant_make_its_extensions() -> None:
     parameters |= {"resonance.f_Hz": 80.0, "resonance.zeta": 0.04, "resonance.share": 0.5}
     known = Known(parameters, 0.0, 100.0, 10.0, 3e-3, {"x": np.array([1.0, 4.0, -2.0])})
     blocks = {"delay": Delay(2.5), "slew": Slew(700.0, 700.0), "saturation": Saturation(5.0, 90.0)}
-    blocks |= {"creep": creep_block(CreepPart(0.01, 0.1), 10.0), "resonance": Modes((80.0,), (0.04,), (0.5,), 3e-3)}
+    blocks |= {
+        "creep": CreepPart(0.01, 0.1).slow_states(10.0, PER_DECADE),
+        "resonance": Modes((80.0,), (0.04,), (0.5,), 3e-3),
+    }
     for name, block in blocks.items():
         extension = causes()[name].true_extension(known)
         assert extension is not None

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from fixtures.linear_stage import LAG, LINEAR, SAMPLES, T_S, scene
 from hysgen.diagnosis import search
-from hysgen.diagnosis.causes.coupling import CouplingPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.probe import Mode, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import Scored, present
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.path.modes import Modes
 from hysgen.record import Record
 from hysgen_lab.stage import NoiseEffect, Stage
 from hysgen_lab.stage import run as measure
@@ -56,7 +56,7 @@ def test_weights_that_fit_coloured_noise_are_no_evidence() -> None:
         return np.convolve(rng.normal(size=SAMPLES), slow)[:SAMPLES]
 
     seen = scene(LAG, 2e-4 * wandering(), {"axis2_V": wandering()})
-    with_taps = LAG.having(CouplingPart(("axis2_V",), 32))
+    with_taps = LAG.having(Coupling.of({"axis2_V": (-1e3, 1e3)}, 32))
     larger, smaller = (Scored.of(seen, refine(seen, chain)) for chain in (with_taps, LAG))
     assert larger.fall_from(smaller, left_out=True) < larger.fall_from(smaller)
     assert "coupling" not in present(search.search(seen).fit.chain)
@@ -65,9 +65,9 @@ def test_weights_that_fit_coloured_noise_are_no_evidence() -> None:
 def test_a_mode_that_rings_from_a_movement_before_the_record_is_found_as_it_is() -> None:
     mode = Mode(22.0, 0.02, 0.1)
     left_um = 0.5 * np.exp(-2.0 * np.pi * mode.f_Hz * mode.zeta * T_S) * np.cos(2.0 * np.pi * mode.f_Hz * T_S + 1.0)
-    seen = scene(LAG.having(ResonancePart((mode,))), left_um)
-    fit = refine(seen, LAG.having(ResonancePart((Mode(24.0, 0.05, 0.2),))))
-    found = fit.chain.of(ResonancePart).modes[0]
+    seen = scene(LAG.having(Modes.of((mode,), 1.0)), left_um)
+    fit = refine(seen, LAG.having(Modes.of((Mode(24.0, 0.05, 0.2),), 1.0)))
+    found = fit.chain.of(Modes).modes[0]
     assert fit.rms_um < 1.1e-3
     assert found.zeta == pytest.approx(mode.zeta, rel=0.01)
     assert found.share == pytest.approx(mode.share, rel=0.01)

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.periodic import PeriodicPart
-from hysgen.diagnosis.causes.saturation import SaturationPart
-from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, remembered
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
 from hysgen.machine.kernels import play_operators
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
 from hysgen_lab.studies.bank.excitation import good
 
 SAMPLES, TS_S = 120_000, 1e-3
@@ -38,11 +38,11 @@ def whole() -> Scene:
     [
         # The plays of a block start exactly; the Duhem states forget what the latest turning points do not hold.
         ((), 1e-6),
-        ((SaturationPart(high_V=90.0),), 1e-6),
+        ((Saturation(high_V=90.0),), 1e-6),
         # Creep of the past is an average over 1500 intervals.
         ((CreepPart(0.02, 0.05),), 6e-4),
-        ((AgingPart(1e-3), DriftPart(), PeriodicPart((50.3,))), 1e-6),
-        ((SlewPart(4000.0),), 1e-6),
+        ((AgingPart(1e-3), DriftPart(), Periodic((50.3,))), 1e-6),
+        ((Slew(4000.0, 4000.0),), 1e-6),
     ],
 )
 def test_columns_of_a_block_are_those_of_the_whole_record(whole: Scene, parts: tuple[Part, ...], share: float) -> None:
@@ -100,7 +100,7 @@ def test_plays_end_where_the_whole_command_leaves_them() -> None:
 
 def test_amounts_of_a_long_record_are_those_of_its_blocks(whole: Scene) -> None:
     """Aging, drift and a line that the whole record holds, found from a tenth of its samples."""
-    chain = Chain(3e-3, (DriftPart(), PeriodicPart((50.3,))))
+    chain = Chain(3e-3, (DriftPart(), Periodic((50.3,))))
     rng = np.random.default_rng(6)
     weights = np.zeros(len(whole.added_columns(chain)) + whole.hysteresis_size(chain))
     weights[0], weights[-3:] = 5.0, (0.02, 0.01, -0.03)

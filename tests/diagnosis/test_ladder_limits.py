@@ -9,12 +9,12 @@ from fixtures.bank_records import built, measured, prepared_of
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import GainChange
-from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import checked_errors, fit_ladder, levelled
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
+from hysgen.model.disturbances.coupling import Coupling
 from hysgen.record import Record
 from hysgen_lab.studies.bank.excitation import good
 from hysgen_lab.studies.bank.truth import true_extensions
@@ -96,7 +96,7 @@ def test_the_range_of_a_channel_is_that_of_the_whole_record() -> None:
     assert np.ptp(channel) > np.ptp(channel[: prepared.cut])
     scene = prepared.scene()
     extension = causes()["coupling"].extension(
-        Residual(scene, linear_fit(scene, Chain(0.08, (CouplingPart(("axis2_V",)),))))
+        Residual(scene, linear_fit(scene, Chain(0.08, (Coupling.of({"axis2_V": scene.range_of("axis2_V")}),))))
     )
     assert extension.term is not None
     assert extension.term.to_json() | {"low": [channel.min()], "high": [channel.max()]} == extension.term.to_json()

@@ -11,11 +11,11 @@ from scipy.signal import fftconvolve
 
 from fixtures.linear_stage import COMMAND_V, LAG, SAMPLES, T_S, scene
 from hysgen.diagnosis.causes.creep import CreepPart
-from hysgen.diagnosis.causes.periodic import PeriodicPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.probe import Mode, linear_fit, refine, rms
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import Scored, admissible
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path.modes import Modes
 from hysgen.record import Record
 from hysgen.record.series import plateaus
 
@@ -101,11 +101,11 @@ def test_a_part_that_moves_what_rests_is_no_gain() -> None:
 
 def test_a_mode_that_nothing_drives_is_no_mode() -> None:
     """A line of 10 nm that fades as slowly as a light mode, and a mode that moves by 1 % of the motion."""
-    mode = ResonancePart((Mode(60.0, 1e-3, 1e-4),))
+    mode = Modes.of([Mode(60.0, 1e-3, 1e-4)], 1.0)
     humming = scene(LAG, 0.01 * np.exp(-0.4 * T_S) * np.sin(2 * np.pi * 60.0 * T_S))
-    ringing = scene(LAG.having(ResonancePart((Mode(60.0, 0.02, 0.01),))))
+    ringing = scene(LAG.having(Modes.of([Mode(60.0, 0.02, 0.01)], 1.0)))
     assert not admissible(humming, refine(humming, LAG.having(mode)))
-    assert admissible(ringing, refine(ringing, LAG.having(ResonancePart((Mode(58.0, 0.03, 0.005),)))))
+    assert admissible(ringing, refine(ringing, LAG.having(Modes.of([Mode(58.0, 0.03, 0.005)], 1.0))))
 
 
 def test_a_line_on_a_harmonic_of_the_command_is_the_stages() -> None:
@@ -113,5 +113,5 @@ def test_a_line_on_a_harmonic_of_the_command_is_the_stages() -> None:
     swing_V, plain = 50.0 - 50.0 * np.cos(2 * np.pi * 2.0 * T_S) ** 3, scene(LAG)
     repeated = dataclasses.replace(plain.bare(), runs=(dataclasses.replace(plain.runs[0], u_V=swing_V),))
     for line_Hz, holds in ((14.0, False), (14.7, True)):
-        seen = linear_fit(repeated, LAG.having(PeriodicPart((line_Hz,))))
+        seen = linear_fit(repeated, LAG.having(Periodic((line_Hz,))))
         assert admissible(repeated, seen) == holds

@@ -18,11 +18,11 @@ from fixtures.linear_stage import LAG, LINEAR
 from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, search
 from hysgen.diagnosis.causes import Estimate, Residual, causes
-from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.error_map import spectrum
 from hysgen.diagnosis.evaluation import Study, evaluate
 from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit
 from hysgen.diagnosis.probe.chain import respond
+from hysgen.model.disturbances.periodic import Periodic
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
 from hysgen.report.words import parameter_text
@@ -128,7 +128,7 @@ def test_a_line_is_compared_with_adjacent_frequencies_at_any_length_of_record() 
     assert len(thinned.rows) == search.MOST_ROWS
     statistics = []
     for seen in (dense, thinned):
-        fit = linear_fit(seen, LAG.having(PeriodicPart((line_Hz,))))
+        fit = linear_fit(seen, LAG.having(Periodic((line_Hz,))))
         statistics.append(causes()["periodic"].signature(Residual(seen, fit), fit).z)
     assert statistics[1] == pytest.approx(statistics[0], rel=0.05)
 

@@ -11,15 +11,9 @@ from scipy.signal import StateSpace, lfilter, lsim
 
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.causes.aging import AgingPart
-from hysgen.diagnosis.causes.coupling import CouplingPart
 from hysgen.diagnosis.causes.creep import CreepPart, crept_step
-from hysgen.diagnosis.causes.delay import DelayPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.periodic import PeriodicPart
 from hysgen.diagnosis.causes.relaxation import RelaxationPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
-from hysgen.diagnosis.causes.saturation import SaturationPart
-from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import (
     NO_HISTORY,
@@ -36,7 +30,13 @@ from hysgen.diagnosis.probe import (
 )
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
-from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows, rate_limited
+from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
 from hysgen.record.wrong_readings import outlier_flags
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: fl
     )
     late = round(delay * fine)
     expected = h[0] + np.concatenate([np.zeros(late), np.ravel(y)])[::fine][: h.size]
-    got = respond(h, Chain(4e-3, (DelayPart(delay), ResonancePart((mode,)))), TS_S)
+    got = respond(h, Chain(4e-3, (Delay(delay), Modes.of((mode,), 1.0))), TS_S)
     # Both are exact for held inputs; what remains is rounding over 400 steps.
     np.testing.assert_allclose(got, expected, atol=1e-9)
 
@@ -116,10 +116,10 @@ def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> N
     rows = np.flatnonzero(rng.random(500) < 0.3)
     parts = (
         CreepPart(0.02, 0.01),
-        ResonancePart((Mode(80.0, 0.05, 0.1),)),
-        DelayPart(1.4),
-        CouplingPart(("T",), 2),
-        PeriodicPart((33.0,)),
+        Modes.of((Mode(80.0, 0.05, 0.1),), 1.0),
+        Delay(1.4),
+        Coupling.of({"T": (-1e3, 1e3)}, 2),
+        Periodic((33.0,)),
         DriftPart(),
         SuddenPart(jumps_s=(0.1,)),
         *((AgingPart(aging),) if aging else ()),
@@ -137,7 +137,7 @@ def test_training_columns_are_rows_of_all_columns_bit_for_bit(aging: float) -> N
 
 
 @pytest.mark.parametrize("history", [False, True])
-@pytest.mark.parametrize("part", [SaturationPart(high_V=7.0), SlewPart(300.0), RelaxationPart(0.02), DelayPart(1.4)])
+@pytest.mark.parametrize("part", [Saturation(high_V=7.0), Slew(300.0, 300.0), RelaxationPart(0.02), Delay(1.4)])
 def test_moved_paths_are_the_weighted_columns_of_the_hysteresis(part: Part, history: bool) -> None:
     rng = np.random.default_rng(5)
     u_V = staircase(rng, 300)
@@ -155,7 +155,7 @@ def test_columns_of_the_curve_follow_lag_delay_and_level() -> None:
     u_V = staircase(np.random.default_rng(4), 300)
     scene = Scene((Trace(u_V, u_V, {}),), TS_S, np.arange(300), Operator(0.0, 10.0))
     plain = Chain(0.004)
-    chains = [plain, Chain(0.006), plain.having(DelayPart(1.4)), plain.having(SaturationPart(high_V=7.0)), plain]
+    chains = [plain, Chain(0.006), plain.having(Delay(1.4)), plain.having(Saturation(high_V=7.0)), plain]
     for chain in chains:
         v = np.minimum(u_V, 7.0 if chain.amplifier else np.inf) / 5.0 - 1.0
         first, second, third = (respond(v**power, Chain(chain.lag_s, chain.parts), TS_S) for power in (1, 2, 3))
@@ -175,21 +175,21 @@ def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
 
 def test_rate_limiter_reaches_every_level_within_its_rate() -> None:
     u_V = np.array([0.0, 5.0, 5.0, 5.0, -1.0, 9.0])
-    np.testing.assert_array_equal(rate_limited(u_V, 2.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
+    np.testing.assert_array_equal(Slew(2.0, 2.0).apply(u_V, 1.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
 
 
 def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
     parts = (
-        DelayPart(1.4),
-        SaturationPart(-3.0, 80.0),
-        SlewPart(5e3),
+        Saturation(-3.0, 80.0),
+        Slew(5e3, 5e3),
+        Delay(1.4),
         RelaxationPart(0.02),
         CreepPart(0.02, 0.1),
-        ResonancePart((Mode(100.0, 0.03, 0.5),)),
+        Modes.of((Mode(100.0, 0.03, 0.5),), 1.0),
         AgingPart(-0.01),
         DriftPart(0.7),
-        PeriodicPart((50.0, 120.0)),
-        CouplingPart(("a",)),
+        Periodic((50.0, 120.0)),
+        Coupling.of({"a": (-1e3, 1e3)}),
         SuddenPart((1.0, 2.0), ((1.5, 0.02),)),
     )
     assert {part.cause for part in parts} == {name for name, cause in causes().items() if cause.part is not None}
@@ -204,13 +204,13 @@ def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
 def test_delay_and_its_standard_error_agree_with_repeated_noise() -> None:
     rng = np.random.default_rng(2)
     u_V = np.cumsum(rng.normal(size=3000)) * 0.3
-    clean = 0.1 * respond(u_V, Chain(6e-3, (DelayPart(1.7),)), TS_S)
+    clean = 0.1 * respond(u_V, Chain(6e-3, (Delay(1.7),)), TS_S)
     found, errors = [], []
     for _ in range(20):
         y_um = clean + 0.05 * rng.normal(size=3000)
         operator = Operator(float(u_V.min()), float(u_V.max()), hats=0, curve=1, reaches=())
         scene = Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, 3000), operator)
-        fit = refine(scene, Chain(3e-3, (DelayPart(0.5),)))
+        fit = refine(scene, Chain(3e-3, (Delay(0.5),)))
         found.append(fit.chain.delay)
         errors.append(standard_errors(scene, fit).coordinates["delay.samples"])
     # The mean of 20 lies within 4 standard errors of the mean; the spread of 20 is known to 1/sqrt(38) = 16 %,

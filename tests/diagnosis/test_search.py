@@ -27,15 +27,15 @@ from fixtures.linear_stage import (
 from hysgen.diagnosis import search
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.creep import CreepPart
-from hysgen.diagnosis.causes.delay import DelayPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
-from hysgen.diagnosis.causes.saturation import SaturationPart
-from hysgen.diagnosis.causes.slew import SlewPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import LEAST_EVIDENCE, admissible
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
 
 
 @pytest.mark.parametrize("name", PLANTED)
@@ -91,7 +91,7 @@ def test_a_level_is_evident_if_the_output_is_flat_beyond_it_whatever_the_misfit(
     v_V = np.where(COMMAND_V > 80.0, 80.0 + beyond * (COMMAND_V - 80.0), COMMAND_V)
     bent_um = respond(0.1 * v_V + 0.2 * np.sin(0.05 * np.pi * v_V), LAG, TS_S)
     seen = scene(LAG, bent_um - 0.1 * respond(COMMAND_V, LAG, TS_S))
-    clipped = refine(seen, LAG.having(SaturationPart(high_V=80.0)))
+    clipped = refine(seen, LAG.having(Saturation(high_V=80.0)))
     assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == clips
 
 
@@ -102,25 +102,25 @@ def test_a_level_beyond_which_the_command_only_rests_is_no_evidence(rests: bool)
     u_V[2000:2400] = 95.0 if rests else 87.5 + 7.5 * np.sin(0.05 * np.arange(400))
     y_um = 0.1 * respond(np.minimum(u_V, 82.0), LAG, TS_S) + NOISE_UM * np.random.default_rng(6).normal(size=SAMPLES)
     seen = Scene((Trace(u_V, y_um, {}),), TS_S, np.arange(50, SAMPLES), LINEAR)
-    clipped = refine(seen, LAG.having(SaturationPart(high_V=82.0)))
+    clipped = refine(seen, LAG.having(Saturation(high_V=82.0)))
     assert (causes()["saturation"].evidence(seen, clipped) > LEAST_EVIDENCE) == (not rests)
 
 
 def test_of_two_modes_at_once_the_lower_one_comes_first() -> None:
     """The upper one is the stronger and is found first."""
-    both = LAG.having(ResonancePart((Mode(23.0, 0.03, 0.1), Mode(60.0, 0.03, 0.4))))
+    both = LAG.having(Modes.of((Mode(23.0, 0.03, 0.1), Mode(60.0, 0.03, 0.4)), 1.0))
     starts = causes()["resonance"].proposals(Residual(scene(both), refine(scene(both), LAG)))
     pair = next(start for start in starts if len(start.modes) == 2)
     np.testing.assert_allclose([mode.f_Hz for mode in pair.modes], [23.0, 60.0], rtol=0.1)
 
 
-LIMITED, CLIPPED_AT_60 = LAG.having(SlewPart(800.0)), LAG.having(SaturationPart(high_V=60.0))
+LIMITED, CLIPPED_AT_60 = LAG.having(Slew(800.0, 800.0)), LAG.having(Saturation(high_V=60.0))
 
 
 @pytest.mark.parametrize(
     ("stage", "more_um", "wrong", "right"),
     [
-        (LATE, 0.0, LAG.having(ResonancePart((Mode(120.0, 0.3, 0.5),))), "delay"),
+        (LATE, 0.0, LAG.having(Modes.of((Mode(120.0, 0.3, 0.5),), 1.0)), "delay"),
         (LAG, AGED_UM, CREEP, "aging"),
         pytest.param(CLIPPED_AT_60, 0.0, LIMITED, "saturation", marks=pytest.mark.proof),
         pytest.param(LAG, 0.01 * T_S / SPAN_S, CREEP.having(DriftPart()), "drift", marks=pytest.mark.proof),
@@ -146,19 +146,19 @@ def test_a_drift_is_named_beside_creep_and_creep_of_a_move_before_the_record_is_
 @pytest.mark.parametrize(
     "chain",
     [
-        LAG.having(SlewPart(4.5e4)),  # faster than the command, but for its few steps
-        LAG.having(SaturationPart(high_V=99.5)),  # within 1 % of the end of the range
-        LAG.having(ResonancePart((Mode(60.0, 5e-4, 0.4),))),  # at the bound of the damping ratio
+        LAG.having(Slew(4.5e4, 4.5e4)),  # faster than the command, but for its few steps
+        LAG.having(Saturation(high_V=99.5)),  # within 1 % of the end of the range
+        LAG.having(Modes.of((Mode(60.0, 5e-4, 0.4),), 1.0)),  # at the bound of the damping ratio
         LAG.having(CreepPart(0.0, 0.05)),
         LAG.having(CreepPart(0.02, 0.1 * SPAN_S)),  # creep for less than a decade of the record
-        LAG.having(DelayPart(0.05)),
+        LAG.having(Delay(0.05)),
         CREEP.having(DriftPart(1.0)),  # creep of a move before the record has the course of a drift that slows down
     ],
 )
 def test_a_chain_outside_the_physical_bounds_of_a_cause_is_not_admissible(chain: Chain) -> None:
     seen = scene(LAG)
     assert not admissible(seen, linear_fit(seen, chain))
-    assert admissible(seen, linear_fit(seen, CREEP.having(DelayPart(1.0))))
+    assert admissible(seen, linear_fit(seen, CREEP.having(Delay(1.0))))
 
 
 @pytest.mark.parametrize(("zero_um", "holds"), [(2.0, False), (4.0, True)])

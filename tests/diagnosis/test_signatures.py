@@ -31,12 +31,10 @@ from fixtures.linear_stage import (
 )
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import GainChange
-from hysgen.diagnosis.causes.creep import CreepPart, creep_block, crept_step
+from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart, crept_step
 from hysgen.diagnosis.causes.drift import DriftPart, Trend, trend_course
-from hysgen.diagnosis.causes.periodic import PeriodicPart
-from hysgen.diagnosis.causes.resonance import ResonancePart
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Mode, linear_fit, refine
+from hysgen.diagnosis.probe import Chain, linear_fit, refine
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
@@ -79,18 +77,19 @@ def test_a_proposed_line_has_at_least_three_periods_in_each_quarter(periods: flo
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed
 
 
-RINGS = LAG.having(ResonancePart((Mode(90.0, 0.05, 0.3), Mode(40.0, 0.03, -0.2))))
-HUMS = LAG.having(PeriodicPart((120.0, 50.0)))
+RINGS = LAG.having(Modes((40.0, 90.0), (0.03, 0.05), (-0.2, 0.3), 1.0))
+HUMS = LAG.having(Periodic((50.0, 120.0)))
 HUMS_UM = 0.010 * np.sin(100.0 * np.pi * T_S) + 0.004 * np.cos(240.0 * np.pi * T_S)
 AGED_UM, COUPLED_UM = PLANTED["aging"][1], PLANTED["coupling"][1]
 TRUE: list[tuple[str, Chain, Floats | float, dict[str, float], Extension]] = [
     ("delay", LATE, 0.0, {"delay_samples": 1.7}, Extension(block=Delay(1.7), lag_s=4e-3)),
     ("slew", SLOW_AMPLIFIER, 0.0, {"rate_V_per_s": 800.0}, Extension(block=Slew(800.0, 800.0), lag_s=4e-3)),
-    ("saturation", CLIPPED, 0.0, {"high_V": 80.0}, Extension(block=Saturation(-100.0, 80.0), lag_s=4e-3)),
-    ("resonance", RINGS, 0.0, {"f_Hz": 90.0, "zeta": 0.05, "share": 0.3, "f_2_Hz": 40.0, "zeta_2": 0.03,
-     "share_2": -0.2}, Extension(block=Modes((40.0, 90.0), (0.03, 0.05), (-0.2, 0.3), 4e-3), lag_s=4e-3)),
-    ("creep", CREEP, 0.0, {"per_decade": 0.02}, Extension(block=creep_block(CreepPart(0.02, 0.05), 4.0), lag_s=4e-3)),
-    ("periodic", HUMS, HUMS_UM, {"f_Hz": 120.0, "amplitude_um": 0.004, "f_2_Hz": 50.0, "amplitude_2_um": 0.01},
+    ("saturation", CLIPPED, 0.0, {"high_V": 80.0}, Extension(block=Saturation(high_V=80.0), lag_s=4e-3)),
+    ("resonance", RINGS, 0.0, {"f_Hz": 40.0, "zeta": 0.03, "share": -0.2, "f_2_Hz": 90.0, "zeta_2": 0.05,
+     "share_2": 0.3}, Extension(block=Modes((40.0, 90.0), (0.03, 0.05), (-0.2, 0.3), 4e-3), lag_s=4e-3)),
+    ("creep", CREEP, 0.0, {"per_decade": 0.02},
+     Extension(block=CreepPart(0.02, 0.05).slow_states(4.0, PER_DECADE), lag_s=4e-3)),
+    ("periodic", HUMS, HUMS_UM, {"f_Hz": 50.0, "amplitude_um": 0.01, "f_2_Hz": 120.0, "amplitude_2_um": 0.004},
      Extension(term=Periodic((50.0, 120.0)))),
     ("coupling", COUPLED, COUPLED_UM, {"axis2_V_um_per_unit": 0.001},
      Extension(term=Coupling(("axis2_V",), (AXIS2_V.min(),), (AXIS2_V.max(),)))),

@@ -7,8 +7,11 @@ import pytest
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import mode_states
+from hysgen.model.intervals import Interval
+from hysgen.model.path.base import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.modes import Modes
+from hysgen.model.path.structure import Structure
 
 TS_S = 2e-5
 
@@ -77,3 +80,24 @@ def test_modes_that_float32_cannot_hold_are_refused() -> None:
         Modes((20_000.0,), (1e-4,), (0.3,), 4e-4).constants(1e-20)
     with pytest.raises(ModelError, match="30000 Hz lies beyond half the sampling frequency, 25000 Hz"):
         Modes((30_000.0,), (0.1,), (0.3,), 4e-4).constants(TS_S)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        Modes((150.0,), (0.01,), (0.8,), 1e-3),
+        Modes((150.0, 2100.0), (0.02, 0.05), (1.7, -0.9), 4e-4),
+        Structure((150.0, 900.0), (0.02, 0.05), (0.7, 0.2), 4e-4, (0.1, -0.2), TS_S),
+        Creep(0.02, (1e-3, 0.01)),
+    ],
+    ids=["mode", "modes", "structure", "creep"],
+)
+def test_the_worst_command_reaches_most_of_the_range_of_w_and_never_leaves_it(block: InputBlock) -> None:
+    """w is limited to this range, in Python and in C: what a command of the range can make of a mode is inside it."""
+    impulse = np.zeros(60_000)
+    impulse[1] = 1.0
+    worst = np.where(block.apply(impulse, TS_S)[::-1] > 0.0, 1.0, -1.0)
+    w, limits = block.apply(worst, TS_S), block.image(Interval(-1.0, 1.0))
+    assert limits.low <= w.min()
+    assert w.max() <= limits.high
+    assert w[-2:].max() > 0.6 * limits.high

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
+from hysgen.diagnosis.inspection import Inspection
+from hysgen.diagnosis.inspection import inspect as inspect_record
 from hysgen.errors import FitError, RecordWarning
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
@@ -24,8 +26,6 @@ from hysgen.model.scores import score as score_model
 from hysgen.model.simulate import free_run
 from hysgen.record import Record, check_for_fit
 from hysgen.record.columns import nearest
-from hysgen.record.inspection import Inspection
-from hysgen.record.inspection import inspect as inspect_record
 from hysgen.record.read import record_of
 from hysgen.uncertainty.history import LIMIT_PERCENT, History
 from hysgen.uncertainty.history import history as history_of

@@ -32,6 +32,11 @@ class Interval:
         """Both ends moved out by `by` and to the next float32 beyond."""
         return Interval(_towards(self.low - by, -np.inf), _towards(self.high + by, np.inf))
 
+    def scaled(self, factor: float) -> Interval:
+        """`factor` times as wide about the middle."""
+        middle, half = 0.5 * (self.low + self.high), 0.5 * factor * self.width
+        return Interval(middle - half, middle + half)
+
     def hull(self, other: Interval) -> Interval:
         """The smallest interval that holds both."""
         return Interval(min(self.low, other.low), max(self.high, other.high))

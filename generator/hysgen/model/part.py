@@ -10,10 +10,12 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.model.chain_part import Part
 from hysgen.model.structs import Member, Quantity
 
 READERS: Mapping[str, Callable[[Any], Any]] = {
     "float": float,
+    "float | None": lambda value: None if value is None else float(value),
     "int": int,
     "str": str,
     "tuple[float, ...]": lambda values: tuple(float(value) for value in values),
@@ -56,7 +58,7 @@ Floats = NDArray[np.float64]
 Words = NDArray[np.uint32] | NDArray[np.float32]
 
 
-class ModelPart(abc.ABC):
+class ModelPart(Part, abc.ABC):
     """A part of a model: parameters and, in C, a struct of its own. The defaults are those of a part without any."""
 
     kind: ClassVar[str]

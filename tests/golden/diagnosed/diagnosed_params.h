@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define DIAGNOSED_NUMBERS_DIGEST "a26646523913c5453b9a150da174a9e2275697156587c600ea1a848e12040e0f"
-#define DIAGNOSED_NUMBERS_WORD 0xa2664652u
+#define DIAGNOSED_NUMBERS_DIGEST "ed908bba314505b651801a321b85c62a2555694db0cc90393fdedfffa959ef85"
+#define DIAGNOSED_NUMBERS_WORD 0xed908bbau
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define DIAGNOSED_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -22,9 +22,9 @@
 #define DIAGNOSED_U_STEP_MAX_V               280.0f  /* 0x438c0000 */
 #define DIAGNOSED_REFERENCE_MIN_UM     -2.41429996f  /* 0xc01a83e4 */
 #define DIAGNOSED_REFERENCE_MAX_UM      6.81099987f  /* 0x40d9f3b6 */
-#define DIAGNOSED_W_MIN               -0.709348381f  /* 0xbf3597db */
-#define DIAGNOSED_W_MAX                 5.38315153f  /* 0x40ac42c7 */
-#define DIAGNOSED_W_TOLERANCE       5.81026097e-06f  /* 0x36c2f5c3 */
+#define DIAGNOSED_W_MIN                -4.55189085f  /* 0xc091a917 */
+#define DIAGNOSED_W_MAX                  9.2256937f  /* 0x41139c71 */
+#define DIAGNOSED_W_TOLERANCE       1.31393281e-05f  /* 0x375c70fc */
 
 /* Commit: check points. */
 #define DIAGNOSED_COMMIT_POINTS  0x00000020u
@@ -181,7 +181,7 @@ static const float diagnosed_modes_per_direct[1] = {
 #define DIAGNOSED_LEARN_STEP_UM                 0.768774986f  /* 0x3f44ce70 */
 #define DIAGNOSED_LEARN_LIMIT_UM                 787.225586f  /* 0x4444ce70 */
 #define DIAGNOSED_LEARN_LEAST_VARIANCE       9.09494702e-13f  /* 0x2b800000 */
-#define DIAGNOSED_LEARN_LARGEST_DENOMINATOR      952.485413f  /* 0x446e1f11 */
+#define DIAGNOSED_LEARN_LARGEST_DENOMINATOR        2314.646f  /* 0x4510aa56 */
 #define DIAGNOSED_LEARN_OUTLIER_RUN              0x00000008u
 #define DIAGNOSED_LEARN_SETTLING                 0x00001000u
 #define DIAGNOSED_LEARN_SETTLED                  0x00002000u
@@ -190,44 +190,44 @@ static const float diagnosed_modes_per_direct[1] = {
 #define DIAGNOSED_LEARN_INFLATE_FIRST              1.001001f  /* 0x3f8020cd */
 #define DIAGNOSED_LEARN_INFLATE                    1.001001f  /* 0x3f8020cd */
 #define DIAGNOSED_LEARN_PER_Y                          0.25f  /* 0x3e800000 */
-#define DIAGNOSED_LEARN_PER_U                          0.25f  /* 0x3e800000 */
+#define DIAGNOSED_LEARN_PER_U                         0.125f  /* 0x3e000000 */
 
 /* Learner, per parameter: theta per number in the bank, and back; D(0) and largest D; what puts the prior
  * back; powers of two that scale the regressors. */
 
 DIAGNOSED_TABLE
 static const float diagnosed_learn_scale[DIAGNOSED_LEARNED] = {
-    128.0f, 128.0f,  32.0f,  16.0f,  16.0f,   4.0f,   4.0f,   4.0f,
-      1.0f,   4.0f,   4.0f,   1.0f,  16.0f,  16.0f,   4.0f, 128.0f,
-    128.0f,  32.0f,
+    128.0f, 256.0f,  32.0f,  16.0f,  32.0f,   4.0f,   4.0f,   8.0f,
+      1.0f,   4.0f,   8.0f,   1.0f,  16.0f,  32.0f,   4.0f, 128.0f,
+    256.0f,  32.0f,
 };
 
 DIAGNOSED_TABLE
 static const float diagnosed_learn_per_scale[DIAGNOSED_LEARNED] = {
-    0.0078125f, 0.0078125f,   0.03125f,    0.0625f,    0.0625f,      0.25f,      0.25f,      0.25f,
-          1.0f,      0.25f,      0.25f,       1.0f,    0.0625f,    0.0625f,      0.25f, 0.0078125f,
-    0.0078125f,   0.03125f,
+     0.0078125f, 0.00390625f,    0.03125f,     0.0625f,    0.03125f,       0.25f,       0.25f,      0.125f,
+           1.0f,       0.25f,      0.125f,        1.0f,     0.0625f,    0.03125f,       0.25f,  0.0078125f,
+    0.00390625f,    0.03125f,
 };
 
 DIAGNOSED_TABLE
 static const float diagnosed_learn_prior[DIAGNOSED_LEARNED] = {
-     0.0316285603f,  0.0316285603f, 0.00197678502f,  0.0269822013f,  0.0269822013f, 0.00168638758f,   0.012460812f,   0.012460812f,
-    0.00077880075f,   0.012460812f,   0.012460812f, 0.00077880075f,  0.0269822013f,  0.0269822013f, 0.00168638758f,  0.0316285603f,
-     0.0316285603f, 0.00197678502f,
+     0.0316285603f,   0.126514241f, 0.00197678502f,  0.0269822013f,   0.107928805f, 0.00168638758f,   0.012460812f,   0.049843248f,
+    0.00077880075f,   0.012460812f,   0.049843248f, 0.00077880075f,  0.0269822013f,   0.107928805f, 0.00168638758f,  0.0316285603f,
+      0.126514241f, 0.00197678502f,
 };
 
 DIAGNOSED_TABLE
 static const float diagnosed_learn_ceiling[DIAGNOSED_LEARNED] = {
-     0.0717559531f,  0.0717559531f, 0.00448474707f,   0.061214719f,   0.061214719f, 0.00382591994f,  0.0282699373f,  0.0282699373f,
-    0.00176687108f,  0.0282699373f,  0.0282699373f, 0.00176687108f,   0.061214719f,   0.061214719f, 0.00382591994f,  0.0717559531f,
-     0.0717559531f, 0.00448474707f,
+     0.0717559531f,   0.287023813f, 0.00448474707f,   0.061214719f,   0.244858876f, 0.00382591994f,  0.0282699373f,   0.113079749f,
+    0.00176687108f,  0.0282699373f,   0.113079749f, 0.00176687108f,   0.061214719f,   0.244858876f, 0.00382591994f,  0.0717559531f,
+      0.287023813f, 0.00448474707f,
 };
 
 DIAGNOSED_TABLE
 static const float diagnosed_learn_refresh[DIAGNOSED_LEARNED] = {
-    1.93513298f, 1.93513298f, 7.74053192f, 2.09513426f, 2.09513426f, 8.38053703f, 3.08302712f, 3.08302712f,
-    12.3321085f, 3.08302712f, 3.08302712f, 12.3321085f, 2.09513426f, 2.09513426f, 8.38053703f, 1.93513298f,
-    1.93513298f, 7.74053192f,
+    1.93513298f, 0.96756649f, 7.74053192f, 2.09513426f, 1.04756713f, 8.38053703f, 3.08302712f, 1.54151356f,
+    12.3321085f, 3.08302712f, 1.54151356f, 12.3321085f, 2.09513426f, 1.04756713f, 8.38053703f, 1.93513298f,
+    0.96756649f, 7.74053192f,
 };
 
 DIAGNOSED_TABLE
@@ -246,7 +246,7 @@ static const float diagnosed_learn_firing[DIAGNOSED_RULES] = {
 #define DIAGNOSED_COMMIT_SIGN                         1.0f  /* 0x3f800000 */
 #define DIAGNOSED_COMMIT_GAIN_FLOOR          0.0204550549f  /* 0x3ca7915c */
 #define DIAGNOSED_COMMIT_GAIN_CEILING         0.198697671f  /* 0x3e4b7767 */
-#define DIAGNOSED_COMMIT_SLOPE_LIMIT          0.995746553f  /* 0x3f7ee93f */
+#define DIAGNOSED_COMMIT_SLOPE_LIMIT          0.997240305f  /* 0x3f7f4b24 */
 
 DIAGNOSED_TABLE
 static const float diagnosed_commit_unfold[DIAGNOSED_RULES] = {

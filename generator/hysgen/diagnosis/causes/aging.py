@@ -12,7 +12,8 @@ from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, TrainingFit, standard_errors, whitened_fit
-from hysgen.diagnosis.probe.part import STEP
+from hysgen.model.chain_part import STEP
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ class AgingPart(Part):
     """The gain of the stage is 1 + per_s t about its displacement at 0 V."""
 
     cause: ClassVar[str] = "aging"
-    order: ClassVar[int] = 50
+    place: ClassVar[int] = 60
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("per_s", "1/s", lambda e: (-0.9 / e.span_s, 9.0 / e.span_s), step=lambda e: STEP / e.span_s),
     )
@@ -71,6 +72,10 @@ class AgingCause(Cause):
     experiment = "record longer, over the whole range"
     slow = True
     part = AgingPart
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        again = "swings early and late at one level" if seen.returns else "repeat the first swings at the end"
+        return seen.returns, again
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain

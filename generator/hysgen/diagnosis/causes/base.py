@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
+from hysgen.model.disturbances import Term
+from hysgen.model.path import InputBlock
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -121,7 +124,7 @@ class Effect:
 def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:
     """Number of rows, thinned or not, at which a part changes the voltage by more than LEAST_CHANGE of its range."""
     least_V = LEAST_CHANGE * (scene.operator.high_V - scene.operator.low_V)
-    free = chain.without(kind)
+    free = chain.without(kind.cause)
     changes = [np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands]
     return int(np.count_nonzero(np.concatenate(changes)[scene.dense] > least_V))
 
@@ -165,9 +168,13 @@ class Cause(abc.ABC):
     starts: ClassVar[int] = 1
     """Number of proposals that one step of the search refines, the best ones first; see `select_starts`."""
 
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        """Whether a record with this excitation is well suited to show the cause, and what it has or lacks."""
+        return True, str(self.experiment) or "any record"
+
     def present(self, chain: Chain) -> bool:
         """Whether the chain contains the part of this cause."""
-        return self.part is not None and chain.get(self.part) is not None
+        return any(part.cause == self.name for part in chain.parts)
 
     def shown(self, residual: Residual) -> bool:
         """Whether the cause is named: whether the final chain contains it."""
@@ -175,7 +182,7 @@ class Cause(abc.ABC):
 
     def without(self, chain: Chain) -> Chain:
         """The chain without the part of this cause."""
-        return chain if self.part is None else chain.without(self.part)
+        return chain.without(self.name)
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         """Chains without one mode, line or channel of this cause; by default one chain without the whole cause."""
@@ -208,9 +215,14 @@ class Cause(abc.ABC):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Evidence for the named cause. residual: of the final fit; rival: the fit without the cause."""
 
-    @abc.abstractmethod
     def extension(self, residual: Residual) -> Extension:
-        """The extension of the model, with the shape parameters of the final fit."""
+        """The extension of the model, with the shape parameters of the final fit; by default the part of the chain."""
+        chain = residual.fit.chain
+        part = next(part for part in chain.parts if part.cause == self.name)
+        if isinstance(part, Term):
+            return Extension(term=part)
+        assert isinstance(part, InputBlock)
+        return Extension(block=part, lag_s=chain.lag_s)
 
     def forms(self, extension: Extension) -> list[Extension]:
         """Forms of the extension in rising cost, compared by cross-validation (`extension_forms`)."""

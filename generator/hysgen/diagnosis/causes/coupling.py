@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, octaves, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, standard_errors
 from hysgen.model.disturbances.coupling import Coupling
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -21,57 +19,34 @@ TAPS = 32
 """Past samples of a channel in the form with several taps."""
 
 
-@dataclass(frozen=True)
-class CouplingPart(Part):
-    """Auxiliary `channels` behind the lag and the delay; each adds `taps` past samples as columns."""
-
-    cause: ClassVar[str] = "coupling"
-    order: ClassVar[int] = 80
-    channels: tuple[str, ...]
-    taps: int = 1
-
-    @property
-    def added(self) -> int:
-        return len(self.channels) * self.taps
-
-    @property
-    def weight_orders(self) -> float:
-        return len(self.channels) * octaves(self.taps)
-
-    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-        return True
-
-    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        lagged = [seen(run.aux[name]) for name in self.channels]
-        at = np.arange(len(run.u_V))
-        return [np.interp(at - tap / run.stride, at, one) for one in lagged for tap in range(self.taps)]
-
-    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        return (self, lag_s, delay)
-
-
 class CouplingCause(Cause):
     name = "coupling"
     rank = 70
     experiment = "record the other axes, the temperature or the load as further columns"
-    part = CouplingPart
+    part = Coupling
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
-        part = chain.of(CouplingPart)
-        names = part.channels
-        fewer = [names[:i] + names[i + 1 :] for i in range(len(names))]
-        less = [chain.having(CouplingPart(kept, part.taps)) if kept else self.without(chain) for kept in fewer]
+        part = chain.of(Coupling)
+        ranges = part.ranges
+        fewer = [{other: ranges[other] for other in ranges if other != name} for name in ranges]
+        less = [chain.having(Coupling.of(own, part.taps)) if own else self.without(chain) for own in fewer]
         return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
 
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        channels = seen.record.aux_names
+        return bool(channels), ", ".join(channels) if channels else "no further channel in the file"
+
     def proposals(self, residual: Residual) -> list[Chain]:
-        chain = residual.fit.chain
-        part = chain.get(CouplingPart) or CouplingPart(())
-        further = [name for name in residual.scene.runs[0].aux if name not in part.channels and _moves(residual, name)]
-        chains = [chain.having(CouplingPart((*part.channels, name), part.taps)) for name in further]
+        chain, scene = residual.fit.chain, residual.scene
+        part = chain.get(Coupling)
+        names, taps = ((), 1) if part is None else (part.channels, part.taps)
+        further = [name for name in scene.runs[0].aux if name not in names and _moves(residual, name)]
+        sets = [((*names, name), taps) for name in further]
         # A channel that acts through the dynamics of the stage needs several taps.
-        if part.taps == 1 and (further or part.channels):
-            chains.append(chain.having(CouplingPart((*part.channels, *further), TAPS)))
-        return chains
+        if taps == 1 and (further or names):
+            sets.append(((*names, *further), TAPS))
+        ranges = [({name: scene.range_of(name) for name in chosen}, count) for chosen, count in sets]
+        return [chain.having(Coupling.of(own, count)) for own, count in ranges]
 
     def effect(self, residual: Residual) -> Effect | None:
         """Of the first further channel, per standard deviation of it."""
@@ -89,8 +64,8 @@ class CouplingCause(Cause):
         errors.
         """
         scene, chain = residual.scene, residual.fit.chain
-        part = chain.of(CouplingPart)
-        first, added = scene.column_of(chain, CouplingPart), chain.first_column(CouplingPart)
+        part = chain.of(Coupling)
+        first, added = scene.column_of(chain, Coupling), chain.first_column(Coupling)
         weights = residual.fit.weights[first : first + part.added].reshape(-1, part.taps)
         errors = standard_errors(scene, residual.fit).added[added : added + part.added].reshape(-1, part.taps)
         z = np.sqrt(np.mean((weights / np.maximum(errors, 1e-15)) ** 2, axis=1))
@@ -108,19 +83,9 @@ class CouplingCause(Cause):
             },
         )
 
-    def extension(self, residual: Residual) -> Extension:
-        part = residual.fit.chain.of(CouplingPart)
-        return Extension(term=coupling_term({name: residual.scene.range_of(name) for name in part.channels}, part.taps))
-
     def true_extension(self, known: Known) -> Extension:
         ranges = {name: (float(values.min()), float(values.max())) for name, values in known.channels.items()}
-        return Extension(term=coupling_term(ranges))
-
-
-def coupling_term(ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> Coupling:
-    """The term for channels with their ranges (low, high) by name."""
-    low, high = zip(*ranges.values(), strict=True)
-    return Coupling(tuple(ranges), low, high, taps)
+        return Extension(term=Coupling.of(ranges))
 
 
 def _moves(residual: Residual, name: str) -> bool:

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -22,21 +22,20 @@ from hysgen.diagnosis.probe import (
     RunSignals,
     Scene,
     ShapeParameter,
-    SlowStates,
     TrainingFit,
     octaves,
     standard_errors,
     whitened_fit,
 )
 from hysgen.model.path.creep import Creep
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
 LEAST_DECADES = 10.0
 """Least ratio of the length of the record to the time from which the creep starts."""
-PER_DECADE = 1
-"""Slow states of the block per decade of time."""
-
+FITTED_PER_DECADE, PER_DECADE = 2, 1
+"""Slow states per decade of time of the block that is fitted, and of the one that is delivered: half its cycles."""
 
 LEAST_START = 1e-3
 """Least starting value of the creep per decade: a fit does not leave the bound at 0."""
@@ -49,13 +48,13 @@ PAST_DECAYS = (1 / 30, 1 / 8, 1 / 2)
 class CreepPart(Part):
     """After a step the output moves by `per_decade` times the step in every decade of time, from from_s on.
 
-    Two slow states per decade, up to 100 times the length of the run. rested: the stage rested before the record, so
-    the states start at its first value. Otherwise added columns: the creep that the unknown motion before the record
-    causes, as three exponentials and the creep of a step at the start.
+    The block with FITTED_PER_DECADE states, up to 100 times the length of the run. rested: the stage rested before the
+    record, so the states start at its first value. Otherwise added columns: the creep that the unknown motion before
+    the record causes, as three exponentials and the creep of a step at the start.
     """
 
     cause: ClassVar[str] = "creep"
-    order: ClassVar[int] = 30
+    place: ClassVar[int] = 40
     timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("per_decade", "1", lambda e: (0.0, 1.0)),
@@ -65,8 +64,9 @@ class CreepPart(Part):
     from_s: float
     rested: bool = False
 
-    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
-        return SlowStates(self.per_decade, np.exp(-Ts_s / _times_s(self.from_s, _slowest_s(samples * Ts_s))))
+    def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
+        # Creep slower than ten times the length of the record cannot be measured.
+        return Creep.logarithmic(self.per_decade, self.from_s, 10.0 * span_s, states)
 
     @property
     def added(self) -> int:
@@ -94,18 +94,12 @@ def crept_step(t_s: Floats, span_s: float, from_s: float) -> Floats:
 
     sum_i (1 - exp(-t / tau_i)) / 2,    with the tau_i of `CreepPart.slow_states`
     """
-    return np.asarray(sum(-0.5 * np.expm1(-t_s / tau_s) for tau_s in _times_s(from_s, _slowest_s(span_s))))
+    block = CreepPart(1.0, from_s).slow_states(span_s)
+    return np.asarray(sum(-block.amount * np.expm1(-t_s / tau_s) for tau_s in block.tau_s))
 
 
-def _slowest_s(span_s: float) -> float:
-    """Largest time constant: ten times the length of the record; slower creep cannot be measured."""
-    return 10.0 * span_s
-
-
-def _times_s(from_s: float, to_s: float) -> Floats:
-    """Time constants, two per decade, from from_s to at most to_s."""
-    count = max(1, int(2 * math.log10(to_s / from_s)) + 1)
-    return np.asarray(from_s * 10.0 ** (0.5 * np.arange(count) + 0.25))
+LONG_REST_S, DECADES = 0.5, 1.5
+"""Rest from which creep shows, and the decades of time after a step that it needs."""
 
 
 class CreepCause(Cause):
@@ -143,6 +137,12 @@ class CreepCause(Cause):
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start of each form."""
         return list({start.chain.of(CreepPart).rested: start for start in reversed(candidates)}.values())
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        decades = math.log10(max(seen.longest_rest_s / (10.0 * seen.record.Ts_s), 1e-9))
+        rests = seen.longest_rest_s >= LONG_REST_S and decades >= DECADES
+        short = f"; only strong creep shows, hold the voltage for {LONG_REST_S:g} s or more"
+        return rests, f"longest rest {seen.longest_rest_s:.3g} s" + ("" if rests else short)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
@@ -185,7 +185,7 @@ class CreepCause(Cause):
     def extension(self, residual: Residual) -> Extension:
         _, fit = whitened_fit(residual.scene, residual.fit)
         part = fit.chain.of(CreepPart)
-        return Extension(block=creep_block(part, residual.scene.span_s), lag_s=fit.chain.lag_s)
+        return Extension(block=part.slow_states(residual.scene.span_s, PER_DECADE), lag_s=fit.chain.lag_s)
 
     def forms(self, extension: Extension) -> list[Extension]:
         """The block without its slowest two states, one state, or none.
@@ -198,18 +198,6 @@ class CreepCause(Cause):
         counts = [count for count in (len(tau_s) - 2, len(tau_s) - 1, len(tau_s)) if count > 0]
         blocks = [dataclasses.replace(extension.block, tau_s=tau_s[:count]) for count in counts]
         return [dataclasses.replace(extension, block=block) for block in blocks]
-
-    def true_extension(self, known: Known) -> Extension:
-        part = CreepPart(known.parameters["creep.per_decade"], known.parameters["creep.from_s"])
-        return Extension(block=creep_block(part, known.span_s), lag_s=known.lag_s)
-
-
-def creep_block(part: CreepPart, span_s: float) -> Creep:
-    """The block with equal creep in every decade, from the start of the creep to ten times the length of the record."""
-    first_s = part.from_s * 10.0 ** (0.5 / PER_DECADE)
-    count = math.ceil(PER_DECADE * math.log10(max(10.0 * span_s / part.from_s, 10.0)))
-    tau_s = tuple(first_s * 10.0 ** (i / PER_DECADE) for i in range(count))
-    return Creep(part.per_decade / PER_DECADE, tau_s)
 
 
 CAUSE = CreepCause()

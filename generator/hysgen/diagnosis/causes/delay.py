@@ -3,33 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
-from typing import ClassVar
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, ShapeParameter, standard_errors
-from hysgen.model.path.delay import Delay
-
-LEAST_SAMPLES, MOST_SAMPLES = 0.05, 200.0
-"""Least and largest delay: below the least, the shape of the held input within a sampling period decides."""
-
-
-@dataclass(frozen=True)
-class DelayPart(Part):
-    """Delay by `samples`, whole or fractional."""
-
-    cause: ClassVar[str] = "delay"
-    order: ClassVar[int] = 0
-    table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("samples", "samples", lambda e: (LEAST_SAMPLES, MOST_SAMPLES), step=lambda e: 1e-3),
-    )
-    samples: float
-
-    @property
-    def late(self) -> float:
-        return self.samples
+from hysgen.diagnosis.probe import Chain, Fit, standard_errors
+from hysgen.model.path.delay import LEAST_FITTED, MOST_FITTED, Delay
+from hysgen.record.excitation import Excitation
 
 
 class DelayCause(Cause):
@@ -37,7 +17,12 @@ class DelayCause(Cause):
     rank = 30
     experiment = Piece.RATES
     mistaken_for = ("resonance",)
-    part = DelayPart
+    part = Delay
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        wide = seen.highest_Hz > 3.0 * max(seen.lowest_Hz, 1e-12)
+        alike = "; lag and delay look alike at one frequency: drive a decade"
+        return wide, f"{seen.lowest_Hz:.3g} to {seen.highest_Hz:.3g} Hz" + ("" if wide else alike)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
@@ -47,14 +32,14 @@ class DelayCause(Cause):
         candidates = []
         for share in (0.1, 0.4, 0.8):
             late = share * chain.lag_s / Ts_s
-            if LEAST_SAMPLES < late < MOST_SAMPLES:
-                candidates.append(dataclasses.replace(chain.having(DelayPart(late)), lag_s=(1.0 - share) * chain.lag_s))
-        candidates.append(chain.having(DelayPart(0.5)))
+            if LEAST_FITTED < late < MOST_FITTED:
+                candidates.append(dataclasses.replace(chain.having(Delay(late)), lag_s=(1.0 - share) * chain.lag_s))
+        candidates.append(chain.having(Delay(0.5)))
         return candidates
 
     def effect(self, residual: Residual) -> Effect:
-        late = residual.changed_by(residual.fit.chain.having(DelayPart(1.0)))
-        return Effect("samples", late, most=MOST_SAMPLES)
+        late = residual.changed_by(residual.fit.chain.having(Delay(1.0)))
+        return Effect("samples", late, most=MOST_FITTED)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """The delay divided by its standard error; lag, modes and hysteresis are fitted jointly with the delay."""
@@ -66,10 +51,6 @@ class DelayCause(Cause):
             text=f"phase grows with frequency at constant gain: {late:.2f} +- {error:.2f} samples late",
             parameters={"delay_samples": Estimate(late, error)},
         )
-
-    def extension(self, residual: Residual) -> Extension:
-        chain = residual.fit.chain
-        return Extension(block=Delay(max(chain.delay, 0.0)), lag_s=chain.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
         return Extension(block=Delay(known.parameters["delay.delay_samples"]), lag_s=known.lag_s)

@@ -30,6 +30,7 @@ from hysgen.diagnosis.probe import (
 )
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.model import Model
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +83,7 @@ class DriftPart(Part):
     """
 
     cause: ClassVar[str] = "drift"
-    order: ClassVar[int] = 60
+    place: ClassVar[int] = 70
     timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("since_s", "s", lambda e: (SOONEST * e.span_s, e.span_s), logarithm=True, closed=True),
@@ -126,6 +127,10 @@ class DriftCause(Cause):
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """A ramp in place of a drift that slows down."""
         return [] if chain.of(DriftPart).since_s is None else [chain.having(DriftPart())]
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        back = "the voltage comes back to a level late in the record" if seen.returns else "come back to a level later"
+        return seen.returns, back
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down."""

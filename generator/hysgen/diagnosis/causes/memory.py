@@ -13,6 +13,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.fitting.operator import PathSize
 from hysgen.machine.kernels import play_operators
+from hysgen.record.excitation import Excitation
 from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,10 @@ class MemoryCause(Cause):
 
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, memory=False)
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        nested = seen.sizes >= 3
+        return nested, f"swings of {seen.sizes} sizes" + ("" if nested else "; drive 3 or more")
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
+from hysgen.record.excitation import Excitation
 from hysgen.record.series import MEDIAN_TO_DEVIATION
 from hysgen.record.wrong_readings import LEAST_DEVIATION, are_frequent, local_scatter
 
@@ -30,6 +31,9 @@ class OutliersCause(Cause):
     judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
 
     on_all_rows = True
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        return True, f"jumps above about {8.0 * seen.noise.rms_um:.2g} um"
 
     def shown(self, residual: Residual) -> bool:
         """Whether samples are corrupted in FEWEST places and have more error power than all other samples."""

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,91 +11,45 @@ from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
 from hysgen.display import decimal
-from hysgen.model.disturbances.periodic import Periodic
-from hysgen.record.series import period_of, turning_rows
+from hysgen.model.disturbances.periodic import FEWEST_PERIODS, Periodic, same_phase
+from hysgen.record.excitation import Excitation
+from hysgen.record.series import period_of
 
 Floats = NDArray[np.float64]
 
 MOST_LINES = 4
-FEWEST_PERIODS = 12.0
-"""Least periods of a line in the record: three per quarter, whose phases are compared. Slower lines resemble misfit."""
-
 LEAST_PEAK = 10.0
 """Least ratio of a peak's power to the local background for a candidate line."""
-
-LINE = ShapeParameter(
-    "lines_Hz",
-    "Hz",
-    lambda e: (FEWEST_PERIODS / e.span_s, 0.5 / e.Ts_s),
-    step=lambda e: 1e-3 / e.span_s,
-    order=3.0,
-)
-
-SMALLEST_SWING = 0.01
-"""Least swing between two turning points of the command, as a share of its range."""
-
-SAME_PHASE = 0.9
-"""Mean of exp(i phase) for phases that are evenly spread over a quarter of a period: sinc(1/4)."""
-
-
-@dataclass(frozen=True)
-class PeriodicPart(Part):
-    """Disturbing lines at `lines_Hz`: a sine and a cosine each as added columns."""
-
-    cause: ClassVar[str] = "periodic"
-    order: ClassVar[int] = 70
-    timed: ClassVar[bool] = True
-    lines_Hz: tuple[float, ...]
-
-    @property
-    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
-        return tuple((f"periodic.{i}.f_Hz", LINE) for i, _ in enumerate(self.lines_Hz))
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        return self.lines_Hz
-
-    def with_values(self, values: Sequence[float]) -> Self:
-        return type(self)(tuple(values))
-
-    @property
-    def added(self) -> int:
-        return 2 * len(self.lines_Hz)
-
-    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-        return not any(_repeats_with_the_command(line_Hz, runs, Ts_s) for line_Hz in self.lines_Hz)
-
-    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        t_s = run.time_s(extent.Ts_s)
-        return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.lines_Hz for wave in (np.sin, np.cos)]
 
 
 class PeriodicCause(Cause):
     name = "periodic"
     rank = 80
     experiment = "record at least twelve periods"
-    part = PeriodicPart
+    part = Periodic
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """Whether no line is a harmonic of the period of the command: what repeats with the command is the stage's."""
         starts_s = [run.time_s(scene.Ts_s)[:: _period(run)] for run in scene.runs if _period(run)]
-        return not any(_same_phase(line_Hz, at_s) for line_Hz in _lines_Hz(fit.chain) for at_s in starts_s)
+        return not any(same_phase(line_Hz, at_s) for line_Hz in _lines_Hz(fit.chain) for at_s in starts_s)
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         lines = _lines_Hz(chain)
         fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
-        return [chain.having(PeriodicPart(lines_kept)) if lines_kept else self.without(chain) for lines_kept in fewer]
+        return [chain.having(Periodic(lines_kept)) if lines_kept else self.without(chain) for lines_kept in fewer]
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        duration_s = seen.record.samples * seen.record.Ts_s
+        return True, f"lines above {FEWEST_PERIODS / duration_s:.3g} Hz and below {0.5 / seen.record.Ts_s:.4g} Hz"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
         lines = _lines_Hz(chain)
         if len(lines) >= MOST_LINES:
             return []
-        return [chain.having(PeriodicPart((*lines, line_Hz))) for line_Hz in _peaks(residual, 3)]
-
-    experiment = "record at least twelve periods"
+        return [chain.having(Periodic(tuple(sorted((*lines, line_Hz))))) for line_Hz in _peaks(residual, 3)]
 
     def effect(self, residual: Residual) -> Effect:
         """Of a line at a twentieth of the sampling rate."""
@@ -120,21 +71,8 @@ class PeriodicCause(Cause):
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(float(np.sqrt(least)), "; ".join(texts), parameters)
 
-    def extension(self, residual: Residual) -> Extension:
-        return Extension(term=Periodic(tuple(sorted(_lines_Hz(residual.fit.chain)))))
-
     def true_extension(self, known: Known) -> Extension:
         return Extension(term=Periodic((known.parameters["periodic.f_Hz"],)))
-
-
-def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-    """Whether a line has the same phase at all maxima of the command, as its harmonics have."""
-    return _same_phase(line_Hz, np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs]))
-
-
-def _same_phase(line_Hz: float, at_s: Floats) -> bool:
-    """Whether a line has the same phase at all times at_s: |mean of exp(i phase)| > SAME_PHASE."""
-    return len(at_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * at_s).mean()) > SAME_PHASE)
 
 
 @functools.lru_cache(maxsize=8)
@@ -143,25 +81,19 @@ def _period(run: RunSignals) -> int | None:
     return period_of(run.u_V)
 
 
-@functools.lru_cache(maxsize=8)
-def _maxima(run: RunSignals) -> NDArray[np.intp]:
-    """Every second turning point of the command of a run, as rows; each score of a line asks for them."""
-    return turning_rows(run.u_V, SMALLEST_SWING * float(np.ptp(run.u_V)))[::2]
-
-
 def _lines_Hz(chain: Chain) -> tuple[float, ...]:
     """The lines of a chain; empty if the chain has no periodic part."""
-    part = chain.get(PeriodicPart)
-    return () if part is None else part.lines_Hz
+    part = chain.get(Periodic)
+    return () if part is None else part.f_Hz
 
 
 def _line_evidence(residual: Residual) -> list[tuple[float, float, bool]]:
     """For each line: amplitude in um, ratio of its power to the local background, and whether its phase is constant."""
     chain, scene, weights = residual.fit.chain, residual.scene, residual.fit.weights
-    first = scene.column_of(chain, PeriodicPart)
+    first = scene.column_of(chain, Periodic)
     evidence = []
     for i, line_Hz in enumerate(_lines_Hz(chain)):
-        sine, cosine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
+        cosine, sine = (float(weight) for weight in weights[first + 2 * i : first + 2 * i + 2])
         ratio, steady = _line_significance(residual, line_Hz, sine, cosine)
         evidence.append((math.hypot(sine, cosine), ratio, bool(steady)))
     return evidence

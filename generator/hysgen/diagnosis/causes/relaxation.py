@@ -25,7 +25,7 @@ class RelaxationPart(Part):
     """Plays that relax by `half_widths` of their half-widths per factor e of time (`model.path.hysteresis`)."""
 
     cause: ClassVar[str] = "relaxation"
-    order: ClassVar[int] = 25
+    place: ClassVar[int] = 30
     amplifies: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("half_widths", "1", lambda e: RELAXATIONS, logarithm=True, step=lambda e: 1e-3),

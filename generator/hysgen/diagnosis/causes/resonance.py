@@ -7,7 +7,7 @@ import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,13 @@ from hysgen.diagnosis.probe import (
     Part,
     RunSignals,
     Scene,
-    ShapeParameter,
     Trace,
     standard_errors,
 )
 from hysgen.errors import FitError
 from hysgen.fitting.structure import ModalForm, identify_structure, structure_parts
-from hysgen.model.path.modes import Modes
+from hysgen.model.path.modes import MODE, Modes
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -44,73 +44,35 @@ OTHER_LAGS = (0.3, 3.0, 30.0)
 """Lags in samples from which a first mode starts, beside that of the chain."""
 
 MOST_MODES = 3
-LEAST_DAMPING, MOST_DAMPING = 5e-4, 0.4
-"""Damping ratios of a mode: below these a mode is a line, above them its response is that of a delay."""
-
 KNOWN = 5e-3
 """Largest standard error of a frequency that is named, as a share of it: a fraction of the width of a light mode."""
 
-MODE = (
-    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True, order=3.0),
-    ShapeParameter("zeta", "1", lambda e: (LEAST_DAMPING, MOST_DAMPING), logarithm=True),
-    ShapeParameter("share", "1", lambda e: (-3.0, 3.0)),
-)
-"""Parameters of one mode."""
-
 
 @dataclass(frozen=True)
-class ResonancePart(Part):
-    """Parallel second-order modes behind the hysteresis, or an identified structure beside it.
-
-    Each mode adds two columns: what a movement before the record has left ringing. The form of a structure, of the
-    command and `channels`, adds its motion as one column.
-    """
+class StructurePart(Part):
+    """The motion of an identified structure, whose inputs are the command and `channels`, as one column."""
 
     cause: ClassVar[str] = "resonance"
-    order: ClassVar[int] = 40
-    modes: tuple[Mode, ...] = ()
-    form: ModalForm | None = None
+    place: ClassVar[int] = 50
+    form: ModalForm
     channels: tuple[str, ...] = ()
 
     @property
-    def timed(self) -> bool:  # type: ignore[override]
-        return self.form is None
-
-    @property
-    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
-        return tuple((f"resonance.{i}.{one.field}", one) for i, _ in enumerate(self.modes) for one in MODE)
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        return tuple(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share))
-
-    def with_values(self, values: Sequence[float]) -> Self:
-        return dataclasses.replace(self, modes=tuple(Mode(*values[i : i + 3]) for i in range(0, len(values), 3)))
-
-    @property
     def added(self) -> int:
-        return 2 * len(self.modes) + (self.form is not None)
+        return 1
 
     @property
     def weight_orders(self) -> float:
-        # A ringing that fades is known no better from a longer record. A pole has a frequency, of order 3.
-        return 0.0 if self.form is None else 4.0 * self.form.poles.size + 2.0 * self.form.gains.size
+        return 4.0 * self.form.poles.size + 2.0 * self.form.gains.size  # a pole has a frequency, of order 3
 
     def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-        return self.form is not None  # what other drives and many modes move differs from pass to pass
+        return True  # what other drives and many modes move differs from pass to pass
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        t_s = run.time_s(extent.Ts_s)
-        rates = (2.0 * math.pi * mode.f_Hz * complex(-mode.zeta, math.sqrt(1.0 - mode.zeta**2)) for mode in self.modes)
-        rings = [np.exp(rate * t_s) for rate in rates]
-        own = [part for ring in rings for part in (ring.real, ring.imag)]
-        moved = (
-            [self.form.simulate(np.stack([run.u_V, *(run.aux[name] for name in self.channels)]))] if self.form else []
-        )
-        return [*own, *moved]
+        return [self.form.simulate(np.stack([run.u_V, *(run.aux[name] for name in self.channels)]))]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        return (*((mode.f_Hz, mode.zeta) for mode in self.modes), self.form)
+        return self.form
 
 
 class ResonanceCause(Cause):
@@ -118,7 +80,7 @@ class ResonanceCause(Cause):
     kind = "modes"
     rank = 60
     experiment = Piece.BAND
-    part = ResonancePart
+    part = Modes
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
@@ -127,9 +89,9 @@ class ResonanceCause(Cause):
         The columns of the ringing cost no order: a mode that only rings is a line, which nothing drives.
         """
         chain = fit.chain
-        residual, ringing = Residual(scene, fit), scene.added_columns(chain)[chain.first_column(ResonancePart) :]
+        residual, ringing = Residual(scene, fit), scene.added_columns(chain)[chain.first_column(Modes) :]
         for i, fewer in enumerate(self.without_one_part(chain) if chain.modes else ()):
-            at = scene.column_of(chain, ResonancePart) + 2 * i
+            at = scene.column_of(chain, Modes) + 2 * i
             rung = fit.weights[at : at + 2] @ ringing[2 * i : 2 * i + 2][:, scene.rows]
             driven = residual.changed_by(fewer)[scene.rows]
             if float(driven @ driven) < float(rung @ rung):
@@ -138,10 +100,14 @@ class ResonanceCause(Cause):
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
-        if chain.of(ResonancePart).form is not None:
+        if len(modes) < 2:
             return [self.without(chain)]
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
-        return [chain.having(ResonancePart(modes_kept)) if modes_kept else self.without(chain) for modes_kept in fewer]
+        return [chain.having(Modes.of(less, chain.lag_s)) for less in fewer]
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        shown = f"of {0.5 / seen.record.Ts_s:.4g} Hz that the sampling shows"
+        return seen.highest_Hz > 0.0, f"the voltage has power up to {seen.highest_Hz:.4g} Hz {shown}"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """The six modes of a grid whose responses explain most of the residual, one at a time, and two at once.
@@ -149,8 +115,7 @@ class ResonanceCause(Cause):
         Of two strong modes, one alone may lower the error too little for a step of the search.
         """
         chain, scene = residual.fit.chain, residual.scene
-        part = chain.get(ResonancePart)
-        if part is not None and part.form is not None:
+        if chain.get(StructurePart) is not None:
             return []
         structure = _structure(scene, len(chain.modes))
         whole = [] if structure is None else [chain.having(structure)]
@@ -160,7 +125,7 @@ class ResonanceCause(Cause):
         bare = residual.responses(self.without(chain))
         rings = np.empty((len(grid), len(scene.rows)))
         for i, mode in enumerate(grid):
-            single = residual.responses(chain.having(ResonancePart((mode,))))
+            single = residual.responses(chain.having(Modes.of([mode], chain.lag_s)))
             ring = [seen - stiff for seen, stiff in zip(single, bare, strict=True)]
             rings[i] = np.concatenate(ring)[scene.rows]
         rings = residual.projector.orthogonal_part(rings)
@@ -178,21 +143,21 @@ class ResonanceCause(Cause):
             beside = rings - np.outer(rings @ first, first)
             others = _by_power(grid, beside, error - (error @ first) * first)
             sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
-        together = [sorted((*chain.modes, *more), key=lambda mode: mode.f_Hz) for more in sets]
-        proposed = [chain.having(ResonancePart(tuple(modes))) for modes in together]
+        proposed = [chain.having(Modes.of((*chain.modes, *more), chain.lag_s)) for more in sets]
         return whole + (proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s))
 
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
         f_Hz = 0.05 / residual.scene.Ts_s
-        rings = residual.changed_by(residual.fit.chain.having(ResonancePart((Mode(f_Hz, 0.03, 1.0),))))
+        chain = residual.fit.chain
+        rings = residual.changed_by(chain.having(Modes((f_Hz,), (0.03,), (1.0,), chain.lag_s)))
         return Effect(f"of the motion, for a mode at {f_Hz:.3g} Hz", rings, most=3.0)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequency, damping ratio and share of each mode with standard errors."""
         chain = residual.fit.chain
-        part = chain.of(ResonancePart)
-        if part.form is not None:
+        part = chain.get(StructurePart)
+        if part is not None:
             return _signature_of(part.form, part.channels)
         errors = standard_errors(residual.scene, residual.fit).coordinates
         parameters, texts = {}, []
@@ -207,20 +172,18 @@ class ResonanceCause(Cause):
         return Signature(z, "; ".join(texts), parameters)
 
     def extension(self, residual: Residual) -> Extension:
-        chain = residual.fit.chain
-        part = chain.of(ResonancePart)
-        if part.form is not None:
-            ranges = {name: residual.scene.range_of(name) for name in part.channels}
-            block, term = structure_parts(part.form, ranges)
-            return Extension(block=block, term=term, lag_s=block.lag_s)
-        return Extension(block=modes_block(chain.modes, chain.lag_s), lag_s=chain.lag_s)
+        part = residual.fit.chain.get(StructurePart)
+        if part is None:
+            return super().extension(residual)
+        block, term = structure_parts(part.form, {name: residual.scene.range_of(name) for name in part.channels})
+        return Extension(block=block, term=term, lag_s=block.lag_s)
 
     def true_extension(self, known: Known) -> Extension:
-        mode = Mode(*(known.parameters[f"resonance.{one.field}"] for one in MODE))
-        return Extension(block=modes_block([mode], known.lag_s), lag_s=known.lag_s)
+        mode = Mode(*(known.parameters[f"resonance.{item.field}"] for item in MODE))
+        return Extension(block=Modes.of([mode], known.lag_s), lag_s=known.lag_s)
 
 
-def _structure(scene: Scene, modes: int) -> ResonancePart | None:
+def _structure(scene: Scene, modes: int) -> StructurePart | None:
     """The structure that the record shows: where other channels move, or MOST_MODES modes are not enough.
 
     None for an excerpt of a record, whose runs do not begin at rest, and for a record that is too short.
@@ -234,13 +197,13 @@ def _structure(scene: Scene, modes: int) -> ResonancePart | None:
 
 
 @functools.lru_cache(maxsize=1)
-def _identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> ResonancePart | None:
+def _identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> StructurePart | None:
     inputs = [np.stack([run.u_V, *(run.aux[name] for name in channels)]) for run in runs]
     try:
         form = identify_structure(inputs, [run.y_um for run in runs], Ts_s)
     except FitError:
         return None
-    return ResonancePart(form=form, channels=channels)
+    return StructurePart(form, channels)
 
 
 def _signature_of(form: ModalForm, channels: Sequence[str]) -> Signature:
@@ -266,7 +229,7 @@ def _with_other_lags(chain: Chain, mode: Mode, Ts_s: float) -> list[Chain]:
     Beside a mode that rings as large as the motion, the lag of the chain without it is far off, and so is the share.
     """
     return [
-        dataclasses.replace(chain.having(ResonancePart((dataclasses.replace(mode, share=share),))), lag_s=lag * Ts_s)
+        dataclasses.replace(chain.having(Modes((mode.f_Hz,), (mode.zeta,), (share,), chain.lag_s)), lag_s=lag * Ts_s)
         for lag in OTHER_LAGS
         for share in (0.5, 1.0)
     ]
@@ -290,12 +253,6 @@ def _by_power(grid: Sequence[Mode], rings: Floats, error: Floats) -> list[Mode]:
     shares = rings @ error / powers
     order = np.argsort(-(shares**2) * powers, kind="stable")
     return [dataclasses.replace(grid[i], share=float(np.clip(shares[i], -1.0, 1.0))) for i in order.tolist()]
-
-
-def modes_block(modes: Sequence[Mode], lag_s: float) -> Modes:
-    """The block of these modes behind a lag, in rising order of their frequencies."""
-    rising = sorted(modes, key=lambda mode: mode.f_Hz)
-    return Modes(tuple(m.f_Hz for m in rising), tuple(m.zeta for m in rising), tuple(m.share for m in rising), lag_s)
 
 
 CAUSE = ResonanceCause()

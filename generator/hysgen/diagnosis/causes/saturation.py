@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +18,9 @@ from hysgen.diagnosis.causes.base import (
     Signature,
 )
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
 from hysgen.model.path.saturation import Saturation
+from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 
@@ -30,10 +29,6 @@ LEVELS = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.93, 0.97)
 PAIRED = (0.5, 0.57, 0.64, 0.71, 0.78, 0.85, 0.92)
 
 FURTHER_IN = 2
-
-LEAST_BEYOND = 0.01
-"""Least share of the command's range beyond a level; at the end of the range every curve resembles saturation."""
-
 
 MOST_SLOPE = 0.5
 """Largest slope of the output beyond a level, as a share of that inside: nearer to a limit than to none."""
@@ -63,50 +58,17 @@ UNSEEN = Estimate(0.0, math.inf)
 """Slope beyond a level at which the command only rests."""
 
 
-def _least_V(extent: Extent) -> float:
-    """Least distance of a level from the end of the command's range."""
-    return 2.0 * LEAST_BEYOND * extent.half_V
-
-
-def _step_V(extent: Extent) -> float:
-    """Step of a forward difference in a level: a smaller one may pass no sample of the command."""
-    return 2e-3 * extent.half_V
-
-
-@dataclass(frozen=True)
-class SaturationPart(Part):
-    """v = clamp(u, low_V, high_V); None where a side does not clip."""
-
-    cause: ClassVar[str] = "saturation"
-    order: ClassVar[int] = 10
-    amplifies: ClassVar[bool] = True
-    table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("low_V", "V", lambda e: (e.low_V + _least_V(e), e.middle_V), step=_step_V),
-        ShapeParameter("high_V", "V", lambda e: (e.middle_V, e.high_V - _least_V(e)), step=_step_V),
-    )
-    low_V: float | None = None
-    high_V: float | None = None
-
-    @property
-    def levels(self) -> tuple[tuple[str, float, float], ...]:
-        """Name, level and outward direction of each side that clips."""
-        both = (("low_V", self.low_V, -1.0), ("high_V", self.high_V, 1.0))
-        return tuple((name, level_V, sign) for name, level_V, sign in both if level_V is not None)
-
-    def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
-        return np.clip(u_V, self.low_V, self.high_V)
-
-    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
-        return (low_V if self.low_V is None else self.low_V, high_V if self.high_V is None else self.high_V)
-
-
 class SaturationCause(Cause):
     name = "saturation"
     rank = 10
     experiment = "drive over the whole range of the amplifier"
     mistaken_for = ("slew",)
-    part = SaturationPart
+    part = Saturation
     starts = 3  # a refinement rarely moves from the level of one stroke to that of another
+
+    def requirement(self, seen: Excitation) -> tuple[bool, str]:
+        low_V, high_V = seen.record.u_range_V
+        return True, f"only where the amplifier clips inside {low_V:.4g} .. {high_V:.4g} V"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, operator = residual.fit.chain, residual.scene.operator
@@ -119,7 +81,7 @@ class SaturationCause(Cause):
         if part.low_V is None and part.high_V is None:
             # If both ends clip, one limit alone may lower the error too little for a step of forward selection.
             for low, high in itertools.product(PAIRED, PAIRED):
-                candidates.append(chain.having(SaturationPart(middle - low * half, middle + high * half)))
+                candidates.append(chain.having(Saturation(middle - low * half, middle + high * half)))
         return candidates
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
@@ -137,7 +99,7 @@ class SaturationCause(Cause):
         return [start for start in candidates if start in chosen]
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
-        part = fit.chain.get(SaturationPart)
+        part = fit.chain.get(Saturation)
         if part is None:
             return True
         if any(abs(one.value) >= MOST_SLOPE for one in _slopes(Residual(scene, fit))):
@@ -170,7 +132,7 @@ class SaturationCause(Cause):
         part = _part(chain)
         if part.low_V is None or part.high_V is None:
             return []
-        return [chain.having(SaturationPart(high_V=part.high_V)), chain.having(SaturationPart(low_V=part.low_V))]
+        return [chain.having(Saturation(high_V=part.high_V)), chain.having(Saturation(low_V=part.low_V))]
 
     def effect(self, residual: Residual) -> Effect:
         """The highest level that FEWEST_SLOPE samples exceed."""
@@ -192,19 +154,6 @@ class SaturationCause(Cause):
             parameters=parameters,
         )
 
-    def extension(self, residual: Residual) -> Extension:
-        scene, chain = residual.scene, residual.fit.chain
-        part = _part(chain)
-        span_V = scene.operator.high_V - scene.operator.low_V
-        # A side that does not clip gets a level outside the range of the record.
-        return Extension(
-            block=Saturation(
-                scene.operator.low_V - span_V if part.low_V is None else part.low_V,
-                scene.operator.high_V + span_V if part.high_V is None else part.high_V,
-            ),
-            lag_s=chain.lag_s,
-        )
-
     def true_extension(self, known: Known) -> Extension:
         return Extension(
             block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]),
@@ -212,12 +161,12 @@ class SaturationCause(Cause):
         )
 
 
-def _part(chain: Chain) -> SaturationPart:
+def _part(chain: Chain) -> Saturation:
     """The saturation part of the chain; a part that does not clip if the chain has none."""
-    return chain.get(SaturationPart) or SaturationPart()
+    return chain.get(Saturation) or Saturation()
 
 
-def _further_in(part: SaturationPart, other: SaturationPart) -> float:
+def _further_in(part: Saturation, other: Saturation) -> float:
     """Sum in V by which the levels are further in than those of `other`; inf if one is further out or missing."""
     total = 0.0
     for level_V, other_V, sign in ((part.low_V, other.low_V, 1.0), (part.high_V, other.high_V, -1.0)):
@@ -240,7 +189,7 @@ def _slopes(residual: Residual) -> list[Estimate]:
     which keeps its sign to x over an excursion, because the misfit of the hysteresis does so while the lag follows.
     """
     scene, fit = residual.scene, residual.fit
-    part, u_V = fit.chain.of(SaturationPart), np.concatenate([run.u_V for run in scene.runs])
+    part, u_V = fit.chain.of(Saturation), np.concatenate([run.u_V for run in scene.runs])
     gain = float(np.polyfit(u_V[scene.rows], scene.y_um[scene.rows], 1)[0])
     slopes = []
     for name, _, _ in part.levels:

@@ -60,7 +60,7 @@ class SuddenPart(Part):
     """
 
     cause: ClassVar[str] = "unknown"
-    order: ClassVar[int] = 90
+    place: ClassVar[int] = 100
     timed: ClassVar[bool] = True
     flexible: ClassVar[bool] = True
     jumps_s: tuple[float, ...] = ()

@@ -5,7 +5,6 @@ followed by a linear chain. If the residual is only noise, every needed part of 
 """
 
 from hysgen.diagnosis.probe.chain import Chain
-from hysgen.diagnosis.probe.part import Extent, Mode, Part, RunSignals, ShapeParameter, SlowStates, octaves
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import (
     Fit,
@@ -21,6 +20,7 @@ from hysgen.diagnosis.probe.solve import (
 from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, WhitenedScene, standard_errors, whitened_fit
 from hysgen.fitting.operator import Operator
+from hysgen.model.chain_part import Extent, Mode, Part, RunSignals, ShapeParameter, octaves
 
 __all__ = [
     "NO_HISTORY",
@@ -35,7 +35,6 @@ __all__ = [
     "RunSignals",
     "Scene",
     "ShapeParameter",
-    "SlowStates",
     "StandardErrors",
     "Trace",
     "TrainingFit",

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from hysgen.diagnosis.probe.part import Extent, Mode, Part, ShapeParameter, SlowStates
 from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows
+from hysgen.model.chain_part import Extent, Mode, Part, ShapeParameter, SlowStates
 
 Floats = NDArray[np.float64]
 P = TypeVar("P", bound=Part)
@@ -49,8 +49,8 @@ class Chain:
     memory: bool = True
 
     def __post_init__(self) -> None:
-        parts = tuple(sorted(self.parts, key=lambda part: part.order))
-        if len({type(part) for part in parts}) < len(parts):
+        parts = tuple(sorted((part.behind(self.lag_s) for part in self.parts), key=lambda part: part.place))
+        if len({part.cause for part in parts}) < len(parts):
             raise ValueError("a chain holds at most one part of each cause")
         object.__setattr__(self, "parts", parts)
 
@@ -66,12 +66,12 @@ class Chain:
         return part
 
     def having(self, part: Part) -> Chain:
-        """The chain with this part, in place of one of its kind if there is one."""
-        return dataclasses.replace(self, parts=(*self.without(type(part)).parts, part))
+        """The chain with this part, in place of that of its cause if there is one."""
+        return dataclasses.replace(self, parts=(*self.without(part.cause).parts, part))
 
-    def without(self, kind: type[Part]) -> Chain:
-        """The chain without its part of a kind."""
-        return dataclasses.replace(self, parts=tuple(part for part in self.parts if not isinstance(part, kind)))
+    def without(self, cause: str) -> Chain:
+        """The chain without its part of a cause."""
+        return dataclasses.replace(self, parts=tuple(part for part in self.parts if part.cause != cause))
 
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
@@ -111,24 +111,18 @@ class Chain:
     def amplified(self, u_V: Floats, Ts_s: float) -> Floats:
         """(n,) voltage behind the amplifier for the commands u_V."""
         for part in self.amplifier:
-            u_V = part.amplify(u_V, Ts_s)
+            u_V = part.apply(u_V, Ts_s)
         return u_V
-
-    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
-        """Range behind the amplifier of commands from low_V to high_V."""
-        for part in self.amplifier:
-            low_V, high_V = part.passes_V(low_V, high_V)
-        return low_V, high_V
 
     @property
     def relaxation(self) -> float:
         """Relaxation of the plays in half-widths, 0 for plays that do not relax."""
         return max((part.relaxation for part in self.parts), default=0.0)
 
-    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
-        """The slow states behind the hysteresis; with no states if no part has them."""
-        candidates = [part.slow_states(samples, Ts_s) for part in self.parts]
-        return next((states for states in candidates if states is not None), SlowStates(0.0, np.zeros(0)))
+    def slow_states(self, span_s: float) -> SlowStates | None:
+        """The slow states behind the hysteresis for a segment of span_s; None if no part has them."""
+        candidates = (part.slow_states(span_s) for part in self.parts)
+        return next((block for block in candidates if block is not None), None)
 
     def seen_every(self, stride: int, Ts_s: float) -> Thinned:
         """The part of the chain behind the hysteresis for samples `stride` periods apart (`trace.Trace.held`)."""
@@ -183,9 +177,8 @@ class Thinned(Chain):
         """0: `input` contains the delay."""
         return 0.0
 
-    def slow_states(self, samples: float, Ts_s: float) -> SlowStates:
+    def slow_states(self, span_s: float) -> None:
         """None: their response is straight over the time of the lag and is only late (`later`)."""
-        return SlowStates(0.0, np.zeros(0))
 
     def input(self, h: Floats) -> Floats:
         """(m, n) h at k + ahead."""
@@ -229,9 +222,11 @@ def respond_on_rows(h: Floats, chain: Chain, Ts_s: float, rows: NDArray[np.intp]
 
 def _linear_part(chain: Chain, Ts_s: float, samples: float) -> LinearPart:
     """Slow states, modes, lag and delay of the chain. samples: length of the segment."""
-    slow = chain.slow_states(samples, Ts_s)
+    slow = chain.slow_states(samples * Ts_s)
     branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, Ts_s)
-    return LinearPart(slow.share, slow.keep, branches, whole)
+    if slow is None or slow.amount == 0.0:
+        return LinearPart(0.0, np.zeros(0), branches, whole)
+    return LinearPart(2.0 * slow.amount, 1.0 - slow.rates(Ts_s), branches, whole)
 
 
 def lagged(signals: Floats, lag_s: float, delay: float, Ts_s: float, rows: NDArray[np.intp] | None = None) -> Floats:

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned, lagged, respond_into, respond_on_rows
-from hysgen.diagnosis.probe.part import Extent, Part
 from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache, Steps
 from hysgen.machine.kernels import lag_sums
+from hysgen.model.chain_part import Extent, Part
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -117,7 +117,7 @@ class Scene:
             return self._averaged(evaluated(v_V), v_V, run, chain)
         before_V = run.history.u_V
         for part in chain.amplifier:
-            before_V = part.amplify_held(before_V, run.history.held, self.Ts_s)
+            before_V = part.apply_held(before_V, run.history.held, self.Ts_s)
         signals = evaluated(np.concatenate([before_V, v_V]))
         if chain.amplifier:
             signals[:, past:] = self._averaged(signals[:, past:].copy(), v_V, run, chain)
@@ -193,23 +193,24 @@ class Scene:
         The response of the slow states to their history is added behind the lag, which is much faster.
         """
         past, n = len(run.history), len(run.u_V)
-        slow = chain.slow_states(run.whole, self.Ts_s)
+        slow = chain.slow_states(run.whole * self.Ts_s)
         held, linear = run.held(h[:, past:], chain, self.Ts_s)
         held = np.ascontiguousarray(held)
         respond_into(out, first, held, linear, self.Ts_s * run.stride, run.whole)
-        if slow.share == 0.0 or (run.stride == 1 and not past):
+        if slow is None or slow.amount == 0.0 or (run.stride == 1 and not past):
             return
-        states = run.history.slow_states(h[:, :past], slow.keep) if past else np.tile(h[:, :1], len(slow.keep))
+        keep = 1.0 - slow.rates(self.Ts_s)
+        states = run.history.slow_states(h[:, :past], keep) if past else np.tile(h[:, :1], len(keep))
         if isinstance(linear, Thinned):
-            rates = 1.0 - slow.keep**run.stride
+            rates = 1.0 - keep**run.stride
             means = h[:, past:] + run.share * np.diff(h[:, past:], axis=1, append=h[:, -1:])
             crept = [lag_sums(mean, rates, start) for mean, start in zip(means, states, strict=True)]
             moved = linear.later(np.stack(crept))
         else:
             # `respond_into` starts from rest at h of the first sample and counts the slow states from there.
             rest = held[:, :1]
-            moved = (states - rest) @ np.exp(np.log(slow.keep)[:, None] * np.arange(n)) + len(slow.keep) * rest
-        out[:, first : first + n] += 0.5 * slow.share * (moved - len(slow.keep) * h[:, :1])
+            moved = (states - rest) @ np.exp(np.log(keep)[:, None] * np.arange(n)) + len(keep) * rest
+        out[:, first : first + n] += slow.amount * (moved - len(keep) * h[:, :1])
 
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain to `paths` (`Scene.paths`), (n_i,) for each run."""

@@ -27,7 +27,6 @@ from hysgen.machine.kernels.operators import (
     play_operators,
     preisach_columns,
     preisach_path,
-    rate_limited,
     slew_limited,
 )
 from hysgen.machine.kernels.run import (
@@ -66,7 +65,6 @@ __all__ = [
     "play_operators",
     "preisach_columns",
     "preisach_path",
-    "rate_limited",
     "rls_updates",
     "rule_rows",
     "slew_limited",

@@ -208,7 +208,6 @@ void hysgen_duhem(size_t samples, const double *v, size_t states, const double *
 void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
                        const double *radius, double share, const double *play, size_t states, const double *reach,
                        const double *duhem, double *state, double *out);
-void hysgen_rate_limit(size_t samples, const double *u, double step, double *out);
 """
 
 
@@ -344,14 +343,3 @@ def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple
         out,
     )
     return out, after
-
-
-def rate_limited(u_V: Floats, step_V: float) -> Floats:
-    """Slew-rate limiter from v(0) = u(0): v(k) = v(k-1) + clamp(u(k) - v(k-1), -step, step), u_V (n,).
-
-    Differs from `slew_limited` in rounding: v(k-1) + (u(k) - v(k-1)) need not equal u(k) in the last bit.
-    """
-    library = kernel("preisach.c", _PREISACH)
-    out = np.empty(u_V.size)
-    call(library, "hysgen_rate_limit", u_V.size, np.ascontiguousarray(u_V), step_V, out)
-    return out

@@ -275,16 +275,3 @@ void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const doub
         out[k] = h;
     }
 }
-
-/* v(k) = v(k-1) + clamp(u(k) - v(k-1), -step, step), from v(0) = u(0). */
-void hysgen_rate_limit(size_t samples, const double *u, double step, double *out)
-{
-    double v = u[0];
-    for (size_t k = 0; k < samples; k++) {
-        double gap = u[k] - v;
-        gap = gap > step ? step : gap;
-        gap = gap < -step ? -step : gap;
-        v += gap;
-        out[k] = v;
-    }
-}

@@ -116,6 +116,10 @@ class Term(ModelPart):
     channels: tuple[str, ...] = ()
     """Names of the auxiliary channels that the term reads."""
 
+    @property
+    def added(self) -> int:
+        return self.size
+
     @abc.abstractmethod
     def describe(self) -> str:
         """One line of text: the parameters with units."""

@@ -9,13 +9,14 @@ channel is at the middle of its range.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
 import numpy as np
 
 from hysgen.errors import ModelError
+from hysgen.model.chain_part import Extent, RunSignals, octaves
 from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
@@ -32,6 +33,8 @@ class Coupling(Term):
     """
 
     kind: ClassVar[str] = "coupling"
+    cause: ClassVar[str] = "coupling"
+    place: ClassVar[int] = 90
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "low": Quantity("lower limit of each channel, in its unit"),
         "high": Quantity("upper limit of each channel, in its unit"),
@@ -58,6 +61,32 @@ class Coupling(Term):
     @property
     def size(self) -> int:
         return len(self.channels) * self.taps
+
+    @classmethod
+    def of(cls, ranges: Mapping[str, tuple[float, float]], taps: int = 1) -> Self:
+        """For channels with their ranges (low, high) by name."""
+        low, high = zip(*ranges.values(), strict=True)
+        return cls(tuple(ranges), low, high, taps)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Range (low, high) of each channel by its name; inverse of `of`."""
+        return dict(zip(self.channels, zip(self.low, self.high, strict=True), strict=True))
+
+    @property
+    def weight_orders(self) -> float:
+        return len(self.channels) * octaves(self.taps)
+
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        return True
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        lagged = [seen(run.aux[name]) for name in self.channels]
+        at = np.arange(len(run.u_V))
+        return [np.interp(at - tap / run.stride, at, channel) for channel in lagged for tap in range(self.taps)]
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        return (self, lag_s, delay)
 
     @property
     def middle(self) -> Floats:

@@ -12,7 +12,8 @@ struct.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar, Self
@@ -21,11 +22,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
+from hysgen.model.chain_part import Extent, RunSignals, ShapeParameter
 from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.disturbances.sine import cosine_sine
 from hysgen.model.structs import Member, Quantity
+from hysgen.record.series import turning_rows
 
 BLOCK = 512
+
+FEWEST_PERIODS = 12.0
+"""Least periods of a line in a record: three per quarter, whose phases are compared. Slower lines resemble misfit."""
+
+LINE = ShapeParameter(
+    "f_Hz", "Hz", lambda e: (FEWEST_PERIODS / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s, order=3.0
+)
+
+SMALLEST_SWING = 0.01
+"""Least swing between two turning points of the command, as a share of its range."""
+
+SAME_PHASE = 0.9
+"""Mean of exp(i phase) for phases that are evenly spread over a quarter of a period: sinc(1/4)."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +49,9 @@ class Periodic(Term):
     """Frequencies `f_Hz`, (m,) positive and rising. Raises ValueError otherwise."""
 
     kind: ClassVar[str] = "periodic"
+    cause: ClassVar[str] = "periodic"
+    place: ClassVar[int] = 80
+    timed: ClassVar[bool] = True
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "turn_high": Quantity("upper word of the turns per sample", "2^-32"),
         "turn_low": Quantity("lower word of the turns per sample", "2^-64"),
@@ -43,12 +62,30 @@ class Periodic(Term):
 
     def __post_init__(self) -> None:
         f = np.asarray(self.f_Hz, dtype=np.float64)
-        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) <= 0).any():
+        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) < 0).any():
             raise ValueError("f_Hz must be positive and rising")
 
     @property
     def size(self) -> int:
         return 2 * len(self.f_Hz)
+
+    @property
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
+        return tuple((f"periodic.{i}.f_Hz", LINE) for i, _ in enumerate(self.f_Hz))
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return self.f_Hz
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        return type(self)(tuple(sorted(values)))
+
+    def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+        return not any(_repeats_with_the_command(line_Hz, runs, Ts_s) for line_Hz in self.f_Hz)
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        t_s = run.time_s(extent.Ts_s)
+        return [wave(2 * np.pi * line_Hz * t_s) for line_Hz in self.f_Hz for wave in (np.cos, np.sin)]
 
     def describe(self) -> str:
         return "periodic disturbance at " + ", ".join(f"{f:.6g}" for f in self.f_Hz) + " Hz"
@@ -101,6 +138,22 @@ class Periodic(Term):
         """Mains and a harmonic."""
         mains_Hz = float(rng.uniform(49.0, 51.0))
         return (cls((mains_Hz, 3.0 * mains_Hz)),)
+
+
+def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: float) -> bool:
+    """Whether a line has the same phase at all maxima of the command, as its harmonics have."""
+    return same_phase(line_Hz, np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs]))
+
+
+def same_phase(line_Hz: float, at_s: Floats) -> bool:
+    """Whether a line has the same phase at all times at_s: |mean of exp(i phase)| > SAME_PHASE."""
+    return len(at_s) > 1 and bool(abs(np.exp(2j * np.pi * line_Hz * at_s).mean()) > SAME_PHASE)
+
+
+@functools.lru_cache(maxsize=8)
+def _maxima(run: RunSignals) -> NDArray[np.intp]:
+    """Every second turning point of the command of a run, as rows; each score of a line asks for them."""
+    return turning_rows(run.u_V, SMALLEST_SWING * float(np.ptp(run.u_V)))[::2]
 
 
 def _phasors(f_Hz: tuple[float, ...], Ts_s: float, n: NDArray[np.int64]) -> NDArray[np.complex128]:

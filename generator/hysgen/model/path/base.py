@@ -90,8 +90,6 @@ class InputBlock(ModelPart):
     whose parameters are not optimised, and C without constants.
     """
 
-    place: ClassVar[int]
-    """Position in the chain, rising from the command to the stage."""
     limits: ClassVar[bool] = True
     """Whether the block is a limiter: its own output passes it unchanged, and the inverse applies it to v(k)."""
     responds: ClassVar[bool] = False

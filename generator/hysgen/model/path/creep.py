@@ -12,6 +12,7 @@ Source: Croft, Shed and Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35-43.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -52,6 +53,12 @@ class Creep(InputBlock):
             raise ValueError("tau_s must be positive and rising")
         if not 1.0 + tau.size * self.amount > 0.0:
             raise ValueError("amount must be above -1 over the number of states")
+
+    @classmethod
+    def logarithmic(cls, per_decade: float, from_s: float, to_s: float, states: int = 1) -> Self:
+        """Creep by the share `per_decade` of a step in each decade of time from from_s to to_s, by `states` states."""
+        count = max(1, math.ceil(states * math.log10(to_s / from_s)))
+        return cls(per_decade / states, tuple((from_s * 10.0 ** ((np.arange(count) + 0.5) / states)).tolist()))
 
     def rates(self, Ts_s: float) -> Floats:
         """(m,) a_i: the part of the distance to x that a state moves in one sample."""

@@ -21,11 +21,15 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from hysgen.model.chain_part import ShapeParameter
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, InputBlock
 from hysgen.model.structs import Member, Quantity
 
 MOST_SAMPLES = 1000
+
+LEAST_FITTED, MOST_FITTED = 0.05, 200.0
+"""Least and largest delay that a fit finds, in samples: below, the held input within a sampling period decides."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +40,15 @@ class Delay(InputBlock):
     """
 
     kind: ClassVar[str] = "delay"
+    cause: ClassVar[str] = "delay"
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "part": Quantity("delay beyond whole samples", "samples"),
     }
     place: ClassVar[int] = 20
     limits: ClassVar[bool] = False
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("samples", "samples", lambda e: (LEAST_FITTED, MOST_FITTED), step=lambda e: 1e-3),
+    )
     samples: float
 
     def __post_init__(self) -> None:
@@ -56,6 +64,10 @@ class Delay(InputBlock):
     def part(self) -> float:
         """mu: the fractional part, 0 <= mu < 1."""
         return self.samples - self.whole
+
+    @property
+    def late(self) -> float:
+        return self.samples
 
     @property
     def preview(self) -> int:

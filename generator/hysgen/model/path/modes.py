@@ -16,9 +16,10 @@ Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digit
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -28,12 +29,23 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.machine.kernels import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
+from hysgen.model.chain_part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
+
+LEAST_FITTED, MOST_FITTED = 5e-4, 0.4
+"""Damping ratios that a fit finds: below these a mode is a line, above them its response is that of a delay."""
+
+MODE = (
+    ShapeParameter("f_Hz", "Hz", lambda e: (3.0 / e.span_s, 0.48 / e.Ts_s), logarithm=True, order=3.0),
+    ShapeParameter("zeta", "1", lambda e: (LEAST_FITTED, MOST_FITTED), logarithm=True),
+    ShapeParameter("share", "1", lambda e: (-3.0, 3.0)),
+)
+"""Shape parameters of one mode."""
 
 DECAYED, MOST_IMPULSE = 1e-4, 1_000_000
 """Rest of an impulse response at which the sum of its magnitudes ends, and the most samples of it."""
@@ -50,6 +62,7 @@ class Modes(InputBlock):
     """
 
     kind: ClassVar[str] = "modes"
+    cause: ClassVar[str] = "resonance"
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "real": Quantity("1 - Re of each pole per sample"),
         "imag": Quantity("Im of each pole per sample"),
@@ -62,6 +75,7 @@ class Modes(InputBlock):
     limits: ClassVar[bool] = False
     responds: ClassVar[bool] = True
     two_words: ClassVar[bool] = True
+    timed: ClassVar[bool] = True
 
     f_Hz: tuple[float, ...]
     zeta: tuple[float, ...]
@@ -70,7 +84,7 @@ class Modes(InputBlock):
 
     def __post_init__(self) -> None:
         f = np.asarray(self.f_Hz, dtype=np.float64)
-        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) <= 0).any():
+        if f.size == 0 or not np.isfinite(f).all() or f[0] <= 0 or (np.diff(f) < 0).any():
             raise ValueError("f_Hz must be positive and rising")
         if not len(self.zeta) == len(self.share) == f.size or not np.isfinite(self.share).all():
             raise ValueError("zeta and share must have one finite number for each mode")
@@ -78,6 +92,45 @@ class Modes(InputBlock):
             raise ValueError(f"zeta must give each mode a damping ratio of {LEAST_DAMPING} to {MOST_DAMPING}")
         if not self.lag_s > 0.0:
             raise ValueError("lag_s must be positive")
+
+    @classmethod
+    def of(cls, modes: Sequence[Mode], lag_s: float) -> Self:
+        """The block of these modes behind a lag."""
+        rising = sorted(modes, key=lambda mode: mode.f_Hz)
+        f_Hz, zeta, share = zip(*((mode.f_Hz, mode.zeta, mode.share) for mode in rising), strict=True)
+        return cls(f_Hz, zeta, share, lag_s)
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        return tuple(map(Mode, self.f_Hz, self.zeta, self.share))
+
+    @property
+    def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
+        return tuple((f"{self.cause}.{i}.{item.field}", item) for i in range(len(self.f_Hz)) for item in MODE)
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return tuple(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share))
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        return self.of([Mode(*values[i : i + 3]) for i in range(0, len(values), 3)], self.lag_s)
+
+    def behind(self, lag_s: float) -> Self:
+        return dataclasses.replace(self, lag_s=lag_s)
+
+    @property
+    def added(self) -> int:
+        return 2 * len(self.f_Hz)
+
+    @property
+    def weight_orders(self) -> float:
+        return 0.0  # a ringing that fades is known no better from a longer record
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        return self.free_responses(run.time_s(extent.Ts_s))
+
+    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
+        return (self.f_Hz, self.zeta)
 
     @property
     def stiff(self) -> float:
@@ -112,30 +165,26 @@ class Modes(InputBlock):
         steps.real, steps.imag = fading * 2.0 * (half * half) - faded, fading * whole
         return steps
 
-    def outputs(self, Ts_s: float) -> tuple[Floats, Floats]:
-        """(m,) position and velocity: Re M and -Im M, the share of the state in osc(k)."""
-        a_left = -expm1(-Ts_s / self.lag_s)
-        position, velocity = np.empty(len(self.f_Hz)), np.empty(len(self.f_Hz))
-        for j, (f, zeta, step) in enumerate(zip(self.f_Hz, self.zeta, self.steps(Ts_s), strict=True)):
-            root, w_tau = float(np.sqrt(1.0 - zeta * zeta)), 2.0 * np.pi * f * self.lag_s
-            # exp(lambda Ts) - a = (1 - a) - s, so M = (1 + i zeta/root) (1 - s/(1 - a)) / (1 + lambda tau)
-            top_re, top_im = 1.0 - step.real / a_left, -step.imag / a_left
-            top_re, top_im = top_re - zeta / root * top_im, top_im + zeta / root * top_re
-            low_re, low_im = 1.0 - zeta * w_tau, -root * w_tau
-            square = low_re * low_re + low_im * low_im
-            position[j] = (top_re * low_re + top_im * low_im) / square
-            velocity[j] = -(top_im * low_re - top_re * low_im) / square
-        return position, velocity
+    def residues(self) -> NDArray[np.complex128]:
+        """(m,) Q of each mode: q (1 + i zeta/sqrt(1 - zeta^2)) / (1 + lambda tau)."""
+        residues = np.empty(len(self.f_Hz), dtype=np.complex128)
+        for j, (f, zeta, q) in enumerate(zip(self.f_Hz, self.zeta, self.share, strict=True)):
+            root, w_tau = math.sqrt(1.0 - zeta * zeta), 2.0 * math.pi * f * self.lag_s
+            re, im = 1.0 - zeta * w_tau, -root * w_tau
+            scale = q / (re * re + im * im)
+            residues[j] = complex(scale * (re + zeta / root * im), scale * (zeta / root * re - im))
+        return residues
 
     def weights(self, Ts_s: float) -> tuple[Floats, Floats]:
-        """(m,) weights of position and velocity in w(k): q Re M and -q Im M."""
-        share, (position, velocity) = np.asarray(self.share), self.outputs(Ts_s)
-        return share * position, share * velocity
+        """(m,) weights of position and velocity in w(k): Re and -Im of Q (1 - s/(1 - a)), q Re M and -q Im M."""
+        a_left, steps, residues = -expm1(-Ts_s / self.lag_s), self.steps(Ts_s), self.residues()
+        # Part by part, for a product of complex numbers may be rounded once or twice.
+        re, im = 1.0 - steps.real / a_left, -steps.imag / a_left
+        return residues.real * re - residues.imag * im, -(residues.real * im + residues.imag * re)
 
     def direct(self, Ts_s: float) -> float:
-        """Share of x(k) in w(k): the stiff share and what the modes answer within the sample."""
-        position, _ = self.outputs(Ts_s)
-        return self.stiff + float(sum(q * (1.0 - p) for q, p in zip(self.share, position.tolist(), strict=True)))
+        """Share of x(k) in w(k): what no position carries, because the static gain is 1."""
+        return 1.0 - float(sum(self.weights(Ts_s)[0].tolist()))
 
     def describe(self) -> str:
         modes = (
@@ -164,8 +213,17 @@ class Modes(InputBlock):
         return found
 
     def image(self, u_V: Interval) -> Interval:
-        """The range of the input, wider by half its width at each end: more is not believed of a mode."""
-        return Interval(u_V.low - 0.5 * u_V.width, u_V.high + 0.5 * u_V.width)
+        """The bound of a linear block: half the width of the range times the integral of |impulse response|.
+
+            |1 - sum q| + sum_j |q_j| coth(pi zeta_j / (2 sqrt(1 - zeta_j^2)))
+
+        w(k) is a mean of osc with positive weights, so that no command inside the range drives w out of it.
+        """
+        factor = abs(self.stiff)
+        for zeta, q in zip(self.zeta, self.share, strict=True):
+            half_turn = exp(-math.pi * zeta / math.sqrt(1.0 - zeta * zeta))  # what half a turn of the mode leaves
+            factor += abs(q) * (1.0 + half_turn) / (1.0 - half_turn)
+        return u_V.scaled(factor)
 
     def zero(self, Ts_s: float) -> float:
         """Largest |eigenvalue| of the inverse, A - B C / direct with the state (position, velocity) of every mode.

@@ -13,33 +13,63 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from hysgen.model.chain_part import Extent, ShapeParameter
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member, Quantity
 
+LEAST_BEYOND = 0.01
+"""Least share of the command's range beyond a level; at the end of the range every curve resembles saturation."""
+
+UNLIMITED = np.finfo(np.float32).max
+"""Level in C of a side that does not clip."""
+
+
+def _least_V(extent: Extent) -> float:
+    """Least distance of a level from the end of the command's range."""
+    return 2.0 * LEAST_BEYOND * extent.half_V
+
+
+def _step_V(extent: Extent) -> float:
+    """Step of a forward difference in a level: a smaller one may pass no sample of the command."""
+    return 2e-3 * extent.half_V
+
 
 @dataclass(frozen=True)
 class Saturation(InputBlock):
-    """Levels between which the input passes unchanged.
+    """Levels between which the input passes unchanged; None where a side does not clip.
 
     Raises ValueError if they are not finite or low_V is not below high_V.
     """
 
     kind: ClassVar[str] = "saturation"
+    cause: ClassVar[str] = "saturation"
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "low": Quantity("lowest input", "V"),
         "high": Quantity("highest input", "V"),
     }
     place: ClassVar[int] = 0
-    low_V: float
-    high_V: float
+    amplifies: ClassVar[bool] = True
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter("low_V", "V", lambda e: (e.low_V + _least_V(e), e.middle_V - _step_V(e)), step=_step_V),
+        ShapeParameter("high_V", "V", lambda e: (e.middle_V + _step_V(e), e.high_V - _least_V(e)), step=_step_V),
+    )
+    low_V: float | None = None
+    high_V: float | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.low_V) and np.isfinite(self.high_V) and self.low_V < self.high_V):
+        levels_V = [level_V for _, level_V, _ in self.levels]
+        if not np.isfinite(levels_V).all() or levels_V != sorted(set(levels_V)):
             raise ValueError("low_V must lie below high_V")
 
+    @property
+    def levels(self) -> tuple[tuple[str, float, float], ...]:
+        """Name, level and outward direction of each side that clips."""
+        both = (("low_V", self.low_V, -1.0), ("high_V", self.high_V, 1.0))
+        return tuple((name, level_V, sign) for name, level_V, sign in both if level_V is not None)
+
     def describe(self) -> str:
-        return f"input saturates at {self.low_V:.5g} and {self.high_V:.5g} V"
+        return f"input saturates at {' and '.join(f'{level_V:.5g}' for _, level_V, _ in self.levels)} V"
 
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         return np.clip(u_V, self.low_V, self.high_V)
@@ -59,7 +89,11 @@ class Saturation(InputBlock):
         return ClipMirror(levels["low"][0], levels["high"][0], u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        return {"low": np.array([self.low_V], dtype=np.float32), "high": np.array([self.high_V], dtype=np.float32)}
+        low, high = (
+            level if level_V is None else np.float32(level_V)
+            for level_V, level in ((self.low_V, -UNLIMITED), (self.high_V, UNLIMITED))
+        )
+        return {"low": np.array([low]), "high": np.array([high])}
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:

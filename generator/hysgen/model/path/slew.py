@@ -7,13 +7,15 @@ Where the limit is not active, v = u bit for bit. The commands of the inverse ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.machine.kernels import slew_limited
+from hysgen.model.chain_part import ShapeParameter
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member, Quantity
@@ -23,15 +25,26 @@ from hysgen.model.structs import Member, Quantity
 class Slew(InputBlock):
     """Largest rates of the input in V/s, upwards and downwards, both positive.
 
-    Raises ValueError if one of them is not positive and finite.
+    A fit finds one rate for both. Raises ValueError if one of them is not positive and finite.
     """
 
     kind: ClassVar[str] = "slew"
+    cause: ClassVar[str] = "slew"
     quantities: ClassVar[Mapping[str, Quantity]] = {
         "rise": Quantity("largest rise of the input per sample", "V"),
         "fall": Quantity("largest fall of the input per sample", "V"),
     }
     place: ClassVar[int] = 10
+    amplifies: ClassVar[bool] = True
+    table: ClassVar[tuple[ShapeParameter, ...]] = (
+        ShapeParameter(
+            "rise_V_s",
+            "V/s",
+            lambda e: (0.1 * e.half_V / e.span_s, 4 * e.half_V / e.Ts_s),
+            logarithm=True,
+            step=lambda e: 1e-3,
+        ),
+    )
     rise_V_s: float
     fall_V_s: float
 
@@ -44,6 +57,23 @@ class Slew(InputBlock):
 
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         return slew_limited(u_V, self.rise_V_s * Ts_s, self.fall_V_s * Ts_s, float(u_V[0]))
+
+    def with_values(self, values: Sequence[float]) -> Self:
+        return type(self)(values[0], values[0])
+
+    def apply_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
+        v_V = u_V.copy()
+        for k in range(1, len(u_V)):
+            samples = Ts_s * float(held[k - 1])
+            v_V[k] = min(max(u_V[k], v_V[k - 1] - self.fall_V_s * samples), v_V[k - 1] + self.rise_V_s * samples)
+        return v_V
+
+    def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
+        """A limited amplifier moves for the share |dv| / (rate Ts) of a period; the mean lags by half of this share."""
+        moves_V = np.diff(v_V)
+        moving = np.minimum(np.maximum(moves_V / self.rise_V_s, -moves_V / self.fall_V_s) / Ts_s, 1.0)
+        columns[:, 1:] -= 0.5 * moving * np.diff(columns, axis=1)
+        return columns
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
         """last_V = v(k) lies between v(k-1) and u(k) [V]: both start in u_V, so v never leaves u_V."""

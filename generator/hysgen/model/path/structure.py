@@ -15,10 +15,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hysgen.machine.reproducible import expm1
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import Floats
 from hysgen.model.path.modes import Modes
 
 
@@ -41,25 +40,12 @@ class Structure(Modes):
         if not self.Ts_s > 0.0:
             raise ValueError("Ts_s must be positive")
 
-    def weights(self, Ts_s: float) -> tuple[Floats, Floats]:
-        """(m,) weights of position and velocity in w(k): Re and -Im of Q (1 - s/(1 - a))."""
-        a_left, steps = -expm1(-Ts_s / self.lag_s), self.steps(Ts_s)
-        # Part by part, for a product of complex numbers may be rounded once or twice.
-        re, im = 1.0 - steps.real / a_left, -steps.imag / a_left
-        q, r = np.asarray(self.share), np.asarray(self.quadrature)
-        return q * re - r * im, -(q * im + r * re)
-
-    def direct(self, Ts_s: float) -> float:
-        """Share of x(k) in w(k): the stiff share and Re(Q s)/(1 - a) of each mode."""
-        a_left, steps = -expm1(-Ts_s / self.lag_s), self.steps(Ts_s).tolist()
-        modes = zip(self.share, self.quadrature, steps, strict=True)
-        return self.stiff + float(sum((q * s.real - r * s.imag) / a_left for q, r, s in modes))
+    def residues(self) -> NDArray[np.complex128]:
+        return np.array([complex(q, r) for q, r in zip(self.share, self.quadrature, strict=True)])
 
     def image(self, u_V: Interval) -> Interval:
         """The bound of a linear block: half the width of the range times the sum of |impulse response|, about rest."""
-        half = 0.5 * u_V.width * _magnitude(self)
-        middle = 0.5 * (u_V.low + u_V.high)
-        return Interval(middle - half, middle + half)
+        return u_V.scaled(_magnitude(self))
 
     def describe(self) -> str:
         modes = (f"{f:.5g} Hz (damping {zeta:.3g})" for f, zeta in zip(self.f_Hz, self.zeta, strict=True))

@@ -7,8 +7,9 @@ import itertools
 import numpy as np
 import pytest
 
+from hysgen.diagnosis.causes import VOCABULARY
+from hysgen.diagnosis.inspection import Inspection, inspect
 from hysgen.record import Record, check_for_fit
-from hysgen.record.inspection import Inspection, inspect
 
 TS_S = 1e-3
 RNG = np.random.default_rng(3)
@@ -35,15 +36,15 @@ def test_swings_sizes_rests_and_speed_are_counted() -> None:
     u_V = np.concatenate([u_V, np.full(300, 40.0), strokes(40.0, 90.0), np.full(40, 90.0)])
     found = seen(u_V)
     # Between the first turning point and the last: 100, 60, 60, 100 V down, up, ..., 60 V to the plateau.
-    assert (found.swings, found.sizes) == (5, 2)
-    assert (found.rests, found.longest_rest_s) == (2, pytest.approx(0.301, abs=1e-9))
-    assert found.fastest_V_per_s == pytest.approx(0.5 / TS_S, rel=0.01)
-    assert seen(np.concatenate([u_V, u_V])).rests >= 4
-    assert found.warnings == check_for_fit(found.record, 6, 18) != ()
+    assert (found.seen.swings, found.seen.sizes) == (5, 2)
+    assert (found.seen.rests, found.seen.longest_rest_s) == (2, pytest.approx(0.301, abs=1e-9))
+    assert found.seen.fastest_V_per_s == pytest.approx(0.5 / TS_S, rel=0.01)
+    assert seen(np.concatenate([u_V, u_V])).seen.rests >= 4
+    assert found.warnings == check_for_fit(found.seen.record, 6, 18) != ()
     text = str(found)
     assert "excitation: 5 swings of 2 sizes" in text
     assert "2 rests, the longest 0.301 s" in text
-    noise_percent = 100 * found.noise.rms_um / float(np.ptp(found.record.segments[0].y_um))
+    noise_percent = 100 * found.seen.noise.rms_um / float(np.ptp(found.seen.record.segments[0].y_um))
     assert f"{noise_percent:.2g} % of the stroke" in text
 
 
@@ -51,7 +52,7 @@ def test_swings_sizes_rests_and_speed_are_counted() -> None:
 def test_memory_needs_swings_of_three_sizes(levels: tuple[float, ...], nested: bool) -> None:
     found = seen(strokes(0.0, *levels, 100.0, 0.0, 100.0))
     assert met(found, "memory")[0] is nested
-    assert met(found, "memory")[1] == f"swings of {found.sizes} sizes" + ("" if nested else "; drive 3 or more")
+    assert met(found, "memory")[1] == f"swings of {found.seen.sizes} sizes" + ("" if nested else "; drive 3 or more")
 
 
 @pytest.mark.parametrize(
@@ -62,10 +63,10 @@ def test_creep_needs_half_a_second_and_one_and_a_half_decades_of_rest(samples: i
     u_V = np.concatenate([strokes(0.0, 100.0, 0.0, 70.0), np.full(samples - 1, 70.0), strokes(70.5, 20.0)])
     u_V[-200 - samples :][:samples] = 70.0
     found = seen(u_V, Ts_s)
-    assert found.longest_rest_s == pytest.approx(samples * Ts_s)
+    assert found.seen.longest_rest_s == pytest.approx(samples * Ts_s)
     held, why = met(found, "creep")
     assert held is enough
-    assert why == f"longest rest {found.longest_rest_s:.3g} s" + (
+    assert why == f"longest rest {found.seen.longest_rest_s:.3g} s" + (
         "" if enough else "; only strong creep shows, hold the voltage for 0.5 s or more"
     )
 
@@ -73,22 +74,20 @@ def test_creep_needs_half_a_second_and_one_and_a_half_decades_of_rest(samples: i
 def test_the_band_is_where_the_speed_has_its_power() -> None:
     k = np.arange(10_000)
     sine = seen(50 + 40 * np.sin(2 * np.pi * 5.0 * TS_S * k))
-    assert (sine.lowest_Hz, sine.highest_Hz) == (pytest.approx(5.0, abs=0.11), pytest.approx(5.0, abs=0.11))
-    assert met(sine, "delay") == (
-        False,
-        f"{sine.lowest_Hz:.3g} to {sine.highest_Hz:.3g} Hz; lag and delay look alike at one frequency: drive a decade",
-    )
+    assert (sine.seen.lowest_Hz, sine.seen.highest_Hz) == (pytest.approx(5.0, abs=0.11), pytest.approx(5.0, abs=0.11))
+    band = f"{sine.seen.lowest_Hz:.3g} to {sine.seen.highest_Hz:.3g} Hz"
+    assert met(sine, "delay") == (False, f"{band}; lag and delay look alike at one frequency: drive a decade")
     for second_Hz, wide in ((14.0, False), (16.0, True)):
         two = seen(50 + 30 * np.sin(2 * np.pi * 5.0 * TS_S * k) + 10 * np.sin(2 * np.pi * second_Hz * TS_S * k))
-        assert two.highest_Hz == pytest.approx(second_Hz, abs=0.11)
+        assert two.seen.highest_Hz == pytest.approx(second_Hz, abs=0.11)
         assert met(two, "delay")[0] is wide
     assert met(sine, "resonance") == (
         True,
-        f"the voltage has power up to {sine.highest_Hz:.4g} Hz of 500 Hz that the sampling shows",
+        f"the voltage has power up to {sine.seen.highest_Hz:.4g} Hz of 500 Hz that the sampling shows",
     )
-    assert met(sine, "slew") == (True, f"limits below {sine.fastest_V_per_s:.4g} V/s")
-    assert met(sine, "periodic") == (True, "lines above 1 Hz and below 500 Hz")
-    assert met(sine, "outliers") == (True, f"jumps above about {8 * sine.noise.rms_um:.2g} um")
+    assert met(sine, "slew") == (True, f"limits below {sine.seen.fastest_V_per_s:.4g} V/s")
+    assert met(sine, "periodic") == (True, "lines above 1.2 Hz and below 500 Hz")
+    assert met(sine, "outliers") == (True, f"jumps above about {8 * sine.seen.noise.rms_um:.2g} um")
     assert met(sine, "saturation") == (True, "only where the amplifier clips inside 10 .. 90 V")
 
 
@@ -114,6 +113,6 @@ def test_channels_are_named_with_their_ranges() -> None:
     json = found.to_json()
     assert json["channels"] == {"temp": [20.0, 25.0]}
     assert (json["samples"], json["Ts_s"], json["duration_s"]) == (800, TS_S, 0.8)
-    assert json["excitation"]["swings"] == found.swings
-    assert json["excitation"]["fastest_V_per_s"] == found.fastest_V_per_s
-    assert [one["cause"] for one in json["requirements"]] == [one.cause for one in found.requirements]
+    assert json["excitation"]["swings"] == found.seen.swings
+    assert json["excitation"]["fastest_V_per_s"] == found.seen.fastest_V_per_s
+    assert [need["cause"] for need in json["requirements"]] == list(VOCABULARY), "every cause is asked"

@@ -1,9 +1,10 @@
-"""Interface of a part of the probe's chain: parameters, and methods for the places in the chain where a part can act.
+"""A part of a stage as a fit sees it: its shape parameters, and methods for the places in the chain where it can act.
 
-    u -> amplify -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain change)  + added columns
+    u -> apply -> h(u) -> slow states -> modes -> 1/(lag s + 1) -> delay -> (1 + gain change)  + added columns
 
-A cause declares its part in its own file (`hysgen.diagnosis.causes`): a frozen dataclass whose fields are the shape
-parameters, and a table of these parameters. A part overrides the methods of the places where it acts; the inherited
+Blocks and terms of a model are such parts (`model.part`), so that the probe of a diagnosis fits what is delivered. A
+change that no model is extended by is declared in the file of its cause (`hysgen.diagnosis.causes`). A part is a frozen
+dataclass with a table of its shape parameters. It overrides the methods of the places where it acts; the inherited
 methods have no effect.
 """
 
@@ -100,12 +101,13 @@ class Mode:
     share: float
 
 
-@dataclass(frozen=True, eq=False)
-class SlowStates:
-    """y = x + share sum_i s_i / 2,  s_i(k+1) = keep_i s_i(k) + (1 - keep_i) x(k)."""
+class SlowStates(Protocol):
+    """y = x + amount sum_i s_i,  s_i(k+1) = s_i(k) + a_i (x(k) - s_i(k)), with the a_i = `rates`; the block `creep`."""
 
-    share: float
-    keep: Floats
+    @property
+    def amount(self) -> float: ...
+
+    def rates(self, Ts_s: float) -> Floats: ...
 
 
 class RunSignals(Protocol):
@@ -135,16 +137,16 @@ class Part:
     """One part of the chain: a frozen dataclass that overrides the methods of the places where it acts.
 
     cause: name of the part's cause; prefix of the parameter names.
-    order: sort key of the parts in the chain, and of their coordinates and columns.
+    place: position in the chain, rising from the command to the sensor; order of the coordinates and columns.
     table: the parameters that are fitted; a parameter whose attribute is None is not fitted.
-    amplifies: whether the part overrides `amplify`, `averaged` or `relaxation`; a change of such a part requires a new
-    evaluation of the hysteresis.
+    amplifies: whether the part overrides `apply`, `averaged` or `relaxation` and acts before the hysteresis or in it; a
+    change of such a part requires a new evaluation of the hysteresis.
     flexible: whether the part may take any course in time, so that what it explains may also be misfit (`score`).
     timed: whether the added columns depend on time alone, so that they can be computed at some samples only.
     """
 
-    cause: ClassVar[str]
-    order: ClassVar[int]
+    cause: ClassVar[str] = ""
+    place: ClassVar[int] = 0
     table: ClassVar[tuple[ShapeParameter, ...]] = ()
     amplifies: ClassVar[bool] = False
     flexible: ClassVar[bool] = False
@@ -153,17 +155,17 @@ class Part:
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
         """Name "cause.field" and table entry of each fitted parameter."""
-        fitted = (one for one in self.table if getattr(self, one.field) is not None)
-        return tuple((f"{self.cause}.{one.field}", one) for one in fitted)
+        fitted = (entry for entry in self.table if getattr(self, entry.field) is not None)
+        return tuple((f"{self.cause}.{entry.field}", entry) for entry in fitted)
 
     @property
     def values(self) -> tuple[float, ...]:
         """Value of each fitted parameter, in the order of `parameters`."""
-        return tuple(float(getattr(self, one.field)) for _, one in self.parameters)
+        return tuple(float(getattr(self, entry.field)) for _, entry in self.parameters)
 
     def with_values(self, values: Sequence[float]) -> Self:
         """The part with other values of its fitted parameters; inverse of `values`."""
-        fields = [one.field for _, one in self.parameters]
+        fields = [entry.field for _, entry in self.parameters]
         return dataclasses.replace(self, **dict(zip(fields, values, strict=True))) if fields else self  # type: ignore[type-var]
 
     @property
@@ -171,23 +173,23 @@ class Part:
         """Names of all parameters of the part, of its added columns too: equal for parts of equal structure."""
         return (self.cause, *(name for name, _ in self.parameters), *(f"column {i}" for i in range(self.added)))
 
+    def behind(self, lag_s: float) -> Self:
+        """The part in a chain with this lag."""
+        return self
+
     # Before the hysteresis.
 
-    def amplify(self, u_V: Floats, Ts_s: float) -> Floats:
-        """(n,) voltage behind this part of the amplifier for the voltage before it."""
+    def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
+        """(n,) voltage behind this part for the voltage before it; start: state before, by default rest under u(0)."""
         return u_V
 
-    def amplify_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
-        """`amplify` for voltages u_V, (k,), that follow each other after held, (k,), samples (`trace.History`)."""
-        return self.amplify(u_V, Ts_s)
+    def apply_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
+        """`apply` for voltages u_V, (k,), that follow each other after held, (k,), samples (`probe.trace.History`)."""
+        return self.apply(u_V, Ts_s)
 
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:
         """(p, n) means over each sampling period of the columns of h, given at the samples of v_V, (n,)."""
         return columns
-
-    def passes_V(self, low_V: float, high_V: float) -> tuple[float, float]:
-        """Range behind this part of the amplifier of commands from low_V to high_V."""
-        return low_V, high_V
 
     # In the hysteresis.
 
@@ -198,8 +200,8 @@ class Part:
 
     # Behind the hysteresis; linear.
 
-    def slow_states(self, samples: float, Ts_s: float) -> SlowStates | None:
-        """First-order states with the hysteresis as input; at most one part of a chain may have them."""
+    def slow_states(self, span_s: float) -> SlowStates | None:
+        """First-order states with the hysteresis as input, over a segment of span_s; at most one part may have them."""
         return None
 
     @property
