@@ -147,6 +147,13 @@ def test_the_remedy_for_exchanged_columns_works_when_pasted(names: str, tmp_path
     np.testing.assert_array_equal(record.y_um, Y_UM)
 
 
+@pytest.mark.parametrize(("names", "end"), [("", ","), ("", ", "), (",", ","), (",,", ",,")])
+def test_separators_behind_every_row_are_no_column(names: str, end: str, tmp_path: Path) -> None:
+    head, *rows = text("time_s,voltage_V,displacement_um", ",", TIME_S, U_V, Y_UM).split("\n")
+    content = "\n".join([head + names, *(row + end for row in rows)])
+    np.testing.assert_array_equal(read(tmp_path, content).y_um, Y_UM)
+
+
 @pytest.mark.parametrize("header", ["", "note,time,voltage,input,position", "voltage,time,input,sensor,position"])
 def test_a_column_that_is_empty_in_every_row_is_no_column(header: str, tmp_path: Path) -> None:
     rows = [f"{t},{u},{y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True)]

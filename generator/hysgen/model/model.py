@@ -30,6 +30,8 @@ from hysgen.model.path import InputBlock, check_chain, path_range
 Floats = NDArray[np.float64]
 
 MOST_RULES = 256
+MOST_TS_S = 1e6
+"""Sampling period from which on nothing of a stage is sampled; in ns it is a whole number below 2^50."""
 
 SCHEMA = "hysgen-model"
 VERSION = 1
@@ -144,7 +146,7 @@ class Model(Displayed):
             raise ModelError(f"weights: {self.weights.size} given, but the terms have {size} regressors")
         if not (np.isfinite(self.consequents).all() and np.isfinite(self.weights).all()):
             raise ModelError("parameters: not all finite; fit the model again")
-        if not (np.isfinite(self.Ts_s) and self.Ts_s > 0):
+        if not 0 < self.Ts_s < MOST_TS_S:
             raise ModelError(f"Ts_s: {self.Ts_s} is not a sampling period; it must be positive, in seconds")
         if not self.u_min_V < self.u_max_V:
             raise ModelError(f"input range: {self.u_min_V} .. {self.u_max_V} V is empty; u_min must lie below u_max")

@@ -172,6 +172,8 @@ def _made(
     row = next((split(lines[i], separator) for i in range(at + 1, len(lines)) if is_data(lines[i])), [])
     if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
         names = names[:-1]  # the column of remarks of LabVIEW, which rows leave out
+    elif len(names) == len(row) - 1 and not row[-1]:
+        names = (*names, "")  # a separator behind every row
     first = next((lines[i] for i in range(at + 1, len(lines)) if is_data(lines[i])), "")
     comma = columns.decimal == "," or (
         columns.decimal is None
