@@ -26,6 +26,7 @@ from fixtures.linear_stage import (
 )
 from hysgen.diagnosis import search
 from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
@@ -152,6 +153,7 @@ def test_a_drift_is_named_beside_creep_and_creep_of_a_move_before_the_record_is_
         LAG.having(CreepPart(0.0, 0.05)),
         LAG.having(CreepPart(0.02, 0.1 * SPAN_S)),  # creep for less than a decade of the record
         LAG.having(Delay(0.05)),
+        LAG.having(AgingPart(-0.6 / SPAN_S)),  # a gain that halves within a record does not age
         CREEP.having(DriftPart(1.0)),  # creep of a move before the record has the course of a drift that slows down
     ],
 )

@@ -124,6 +124,8 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
     assert (result.exact_rate, result.found_rate) == (pytest.approx(1 / 3), pytest.approx(2 / 3))
     assert (result.smallest(0.5), result.smallest(0.95)) == ({"creep": 2.0}, {"creep": 3.0})
     assert result.parameter_errors() == {"creep.share": (pytest.approx(0.2), pytest.approx(0.4), 3)}
+    by_hand = (-(2.0 * np.log(0.8) + np.log(0.2)) / 3.0, (0.1**2 + 0.95**2) / 3.0)
+    assert result.scores() == pytest.approx(by_hand)
     assert result.calibration() == [(0.0, 0, 0), (0.9, 2, 1), (0.99, 0, 0), (0.999, 1, 1)]
     assert (result.falls(), result.over_truth()) == ([6.0, 8.0], [1.5])
     assert [one.difference() for one in records[:3]] == ["lacks creep (2)", "exact", "adds drift"]

@@ -21,7 +21,8 @@ FORGET = 0.35
 """Time constant of forgetting, as a share of the record: a compromise between tracking and noise."""
 
 MOST_CHANGE = 0.5
-"""Largest starting value of the relative change of the gain over the record."""
+"""Least fall of the gain over a record that is no aging, and largest start: a ceramic loses some 5 % per decade of
+time, and from the first ms to a year there are ten. A gain that falls by more is a sign of a part that is missing."""
 
 STARTING_CHANGES = (0.003, 0.03)
 """Starting values of the relative change of the gain over the record, used with both signs.
@@ -38,7 +39,9 @@ class AgingPart(Part):
     cause: ClassVar[str] = "aging"
     place: ClassVar[int] = 60
     table: ClassVar[tuple[ShapeParameter, ...]] = (
-        ShapeParameter("per_s", "1/s", lambda e: (-0.9 / e.span_s, 9.0 / e.span_s), step=lambda e: STEP / e.span_s),
+        ShapeParameter(
+            "per_s", "1/s", lambda e: (-MOST_CHANGE / e.span_s, 1.0 / e.span_s), step=lambda e: STEP / e.span_s
+        ),
     )
     per_s: float
 

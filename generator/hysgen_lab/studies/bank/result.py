@@ -151,16 +151,30 @@ class BankResult:
 
     def calibration(self) -> list[tuple[float, int, int]]:
         """Per class of confidence: its lower edge, the named causes in it, and how many of them were planted."""
-        named = [
-            (confidence, name not in judgement.wrong)
-            for judgement in self.judged()
-            for name, confidence in judgement.confidence.items()
-        ]
-        classes = []
+        named, classes = self._named(), []
         for low, high in itertools.pairwise(CONFIDENCES):
             inside = [planted for confidence, planted in named if low <= confidence < high or confidence == high == 1.0]
             classes.append((low, len(inside), sum(inside)))
         return classes
+
+    def scores(self) -> tuple[float, float]:
+        """Log score and Brier score of the confidences of the named causes: means of -ln p(what is so) and (1 - p)^2.
+
+        p is at least 1 / (n + 2) and at most 1 less that, for n names: no more is shown by n of them (Laplace). nan
+        without a name.
+        """
+        named = self._named()
+        true = np.array([confidence if planted else 1.0 - confidence for confidence, planted in named] or [np.nan])
+        known = np.clip(true, 1.0 / (len(named) + 2), 1.0 - 1.0 / (len(named) + 2))
+        return float(-np.log(known).mean()), float(np.mean((1.0 - true) ** 2))
+
+    def _named(self) -> list[tuple[float, bool]]:
+        """Confidence of each named cause that has one, and whether it was planted."""
+        return [
+            (confidence, name not in judgement.wrong)
+            for judgement in self.judged()
+            for name, confidence in judgement.confidence.items()
+        ]
 
     def falls(self) -> list[float]:
         """The factors `fall` of all records that have one, rising."""
@@ -187,6 +201,8 @@ class BankResult:
             "calibration": [
                 {"from": low, "named": named, "there": planted} for low, named, planted in self.calibration()
             ],
+            "log_score": _finite(self.scores()[0]),
+            "brier_score": _finite(self.scores()[1]),
             "falls_by_memory": self.falls(),
             "over_truth": self.over_truth(),
             "wrong": [
@@ -237,6 +253,7 @@ class BankResult:
         lines.extend(
             f"  {100 * low:5.1f} %{planted:5} of {named}" for low, named, planted in self.calibration() if named
         )
+        lines.append("log score {:.4f}, Brier score {:.4f} of these names".format(*self.scores()))
         if falls := self.falls():
             at = np.quantile(falls, [0.0, 0.1, 0.5, 1.0])
             lines.append(
