@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 
 LEAST_DECADES = 10.0
 """Least ratio of the length of the record to the time from which the creep starts."""
+
 FITTED_PER_DECADE, PER_DECADE = 2, 1
 """Slow states per decade of time of the block that is fitted, and of the one that is delivered: half its cycles."""
 
@@ -198,6 +199,10 @@ class CreepCause(Cause):
         counts = [count for count in (len(tau_s) - 2, len(tau_s) - 1, len(tau_s)) if count > 0]
         blocks = [dataclasses.replace(extension.block, tau_s=tau_s[:count]) for count in counts]
         return [dataclasses.replace(extension, block=block) for block in blocks]
+
+    def true_extension(self, known: Known) -> Extension:
+        part = CreepPart(known.parameters["creep.per_decade"], known.parameters["creep.from_s"])
+        return Extension(block=part.slow_states(known.span_s, PER_DECADE), lag_s=known.lag_s)
 
 
 CAUSE = CreepCause()
