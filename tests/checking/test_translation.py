@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import library
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.random_models import complete_model, random_model
-from hysgen.checking.proof import translation as module
 from hysgen.checking.proof.translation import Translation, translation
 from hysgen.checking.symbolic import equivalence
 from hysgen.checking.symbolic.arrays import Symbols, traced
@@ -31,6 +31,7 @@ from hysgen.model.float32_arithmetic import reciprocal
 from hysgen.model.model import Model
 
 FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
+LEARNING = ("learn_init", "learn", "commit")
 
 
 @pytest.fixture(autouse=True)
@@ -53,10 +54,9 @@ def proved(result: Translation) -> dict[str, bool]:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
     folder = shipped(name)
-    result = translation(folder.model, folder.texts)
-    assert proved(result) == dict.fromkeys(FUNCTIONS, True)
-    assert result.sampled == ("learn", "learn_init", "commit")
-    assert result.lines()[-1] == f"{name}: 5 of 8 functions proved"
+    result = translation(folder.model, folder.texts, calls=[*FUNCTIONS, "learn_init", "commit"])
+    assert proved(result) == dict.fromkeys((*FUNCTIONS, "learn_init", "commit"), True)
+    assert result.lines()[-1] == f"{name}: 7 of 7 functions proved"
 
 
 @pytest.mark.slow
@@ -64,6 +64,49 @@ def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
 def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int) -> None:
     for model in (generated(seed)[0], random_model(seed)):
         assert proved(translation(model, generate(model))) == dict.fromkeys(FUNCTIONS, True), model
+
+
+@pytest.mark.slow
+@pytest.mark.proof
+def test_a_learner_and_its_commit_are_proved_for_every_input() -> None:
+    """In every case of the truths that the C branches on: half a minute of one core."""
+    model = sized(6)
+    result = translation(model, texts_of(model), calls=LEARNING)
+    assert proved(result) == dict.fromkeys(LEARNING, True), result.lines()
+    learn = next(proof for proof in result.functions if proof.function == "learn")
+    assert learn.cases > 100
+    assert f"{learn.cases} cases" in learn.line()
+
+
+LEARNER_FAULTS = [
+    ("learn_init", "self->reference[3u * l] = ", "self->reference[3u * l] = 2.0f * "),
+    ("commit", "+ candidate->gain_remainder_um_per_V;", ";"),
+    ("commit", "(change + remainder)", "change"),
+    ("commit", "gain - away <=", "gain - 0.99f * away <="),
+    ("commit", "= 1u - self->active;", "= 1u;"),
+    ("commit", "(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
+    ("commit", "learner->reference[j] = candidate->theta[j];", "learner->reference[j] = candidate->theta[0];"),
+    ("learn", "self->theta_low[j] = carried - (sum - theta);", "self->theta_low[j] = 0.0f;"),
+    ("learn", "self->turn = (j + 1u <", "self->turn = (j + 2u <"),
+    ("learn", "f[i] = f[i] + self->x[i];", "f[i] = f[i] * 1.0000001f + self->x[i];"),
+    ("learn", "1u ^ (y_lost | implausible);", "1u ^ y_lost;"),
+    ("learn", "    if (lost != 0u) {", "    if (lost > 1u) {"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("function", "intact", "planted"),
+    [pytest.param(*fault, marks=pytest.mark.proof if fault[0] == "learn" else ()) for fault in LEARNER_FAULTS],
+)
+def test_a_fault_of_learner_or_commit_is_not_proved(function: str, intact: str, planted: str) -> None:
+    model = sized(6)
+    texts = texts_of(model)
+    assert intact in texts["smooth_2.c"], f"the fault has nothing to bite on: {intact}"
+    changed = {**texts, "smooth_2.c": texts["smooth_2.c"].replace(intact, planted)}
+    (proof,) = translation(model, changed, calls=[function]).functions
+    assert proof.open
+    assert not proof.refused
 
 
 CHANGES = [
@@ -128,8 +171,7 @@ def test_a_fault_of_the_reference_is_seen(
 ) -> None:
     folder = shipped("appendix_a")
     monkeypatch.setattr(instance, target, fault)
-    monkeypatch.setattr(module, "ARGUMENTS", {"predict": 2})
-    (proof,) = translation(folder.model, folder.texts).functions
+    (proof,) = translation(folder.model, folder.texts, calls=["predict"]).functions
     assert not proof.holds
     assert proof.function == "predict"
     assert (proof.difference or proof.open[0]).startswith(("y_um", "status", "y_clamped", "u_clamped"))
@@ -138,8 +180,7 @@ def test_a_fault_of_the_reference_is_seen(
 def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(equivalence, "SOLVER", "no_such_module")
     folder = shipped("appendix_a")
-    monkeypatch.setattr(module, "ARGUMENTS", {"predict": 2})
-    result = translation(folder.model, folder.texts)
+    result = translation(folder.model, folder.texts, calls=["predict"])
     (proof,) = result.functions
     assert (proof.holds, proof.difference, result.holds) == (False, "", True)
     assert "not proved" in proof.line()

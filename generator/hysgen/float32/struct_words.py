@@ -157,11 +157,10 @@ class StructWords:
                     rows = [next(remaining) for _ in range(len(getattr(self, name)))]
                     setattr(self, name, np.stack(rows).view(np.float32))
                 case Holds.MATRIX:
-                    size = len(getattr(self, name))
-                    elements: Floats32 = np.zeros((size, size, lanes), np.float32)
-                    for i, j in self.stored():
-                        elements[i, j] = next(remaining).view(np.float32)
-                    setattr(self, name, elements)
+                    size, zero = range(len(getattr(self, name))), np.zeros(lanes, np.float32)
+                    stored = {place: next(remaining).view(np.float32) for place in self.stored()}
+                    rows = [np.stack([stored.get((i, j), zero) for j in size]) for i in size]
+                    setattr(self, name, np.stack(rows))
                 case Holds.NUMBER:
                     setattr(self, name, next(remaining).view(np.float32))
                 case Holds.INTEGER | Holds.FLAG:

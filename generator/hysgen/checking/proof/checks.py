@@ -64,7 +64,7 @@ class Answer(Protocol):
 
 @dataclass(frozen=True)
 class CheckSettings:
-    """samples: of the sanitizers, of each function. calls: functions that Eva proves, all if empty."""
+    """samples: of the sanitizers, of each function. calls: functions that are proved (equal, eva), all if empty."""
 
     samples: int = 100_000
     calls: tuple[str, ...] = ()
@@ -117,7 +117,7 @@ def _sanitize(model: Model, texts: Mapping[str, str], settings: CheckSettings, p
 
 
 def _equal(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:
-    report = translation(model, texts, progress=progress)
+    report = translation(model, texts, calls=settings.calls, progress=progress)
     return Checked(report, report.holds)
 
 

@@ -2,7 +2,9 @@
 
 The reference is called with symbols in place of numbers (`symbolic.arrays`), the C is executed with the same symbols
 (`symbolic.from_c`), and every word that they leave is compared (`symbolic.equivalence`): equal operations of equal
-operands, or selections and bit tricks that a solver finds equal. Assumed are the certified box of the state before the
+operands, or selections and bit tricks that a solver finds equal. The C of learner and commit asks early and leaves
+early, the reference computes every lane to its end: they are compared in each case of the truths that the C branches
+on. Assumed are the certified box of the state before the
 call, which `hysgen prove` shows to be left by no call, indices inside their arrays, and that the compiler keeps the
 semantics of C; `hysgen verify` samples the compiler.
 
@@ -21,32 +23,58 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.proof.eva.boxes import bank_box, parts_box, state_box
+from hysgen.certify.certificates import certify
+from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
 from hysgen.checking.symbolic.arrays import Symbols, coerced, traced, with_symbols
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.equivalence import SAMPLES, SOLVER, Sweep
 from hysgen.checking.symbolic.expressions import negated
-from hysgen.checking.symbolic.from_c import outcome
+from hysgen.checking.symbolic.from_c import Decision, outcome
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
-from hysgen.codegen.structs import interface_of
-from hysgen.float32.coefficients import Bank
+from hysgen.codegen.structs import Interface, interface_of
+from hysgen.float32.coefficients import Bank, coefficients, commit_numbers
+from hysgen.float32.learner_words import Phase
+from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
+from hysgen.float32.reference.learner import Learner
+from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.structs import Word
 
 Words = NDArray[np.uint32]
 
-ARGUMENTS: Final[Mapping[str, int]] = {"init": 2, "limits": 3, "predict": 2, "simulate": 1, "inverse": 2}
-"""Float arguments of the functions that are proved."""
+INSTANCE, LEARNER = "t", "learner_t"
+CALLS: Final[Mapping[str, tuple[tuple[str, ...], int]]] = {
+    "init": ((INSTANCE,), 2),
+    "limits": ((INSTANCE,), 3),
+    "predict": ((INSTANCE,), 2),
+    "simulate": ((INSTANCE,), 1),
+    "inverse": ((INSTANCE,), 2),
+    "learn_init": ((LEARNER, INSTANCE), 0),
+    "learn": ((LEARNER,), 2),
+    "commit": ((INSTANCE, LEARNER), 0),
+}
+"""Structs behind the pointers of every function that is proved, and the number of its float arguments."""
+
+PREFIX: Final[Mapping[str, str]] = {INSTANCE: "", LEARNER: "learner."}
+"""Before the paths of the words of a struct."""
+
+FEW_DECISIONS: Final = 8
+"""With more `if` statements, the samples rarely pass them all, and equal samples say little."""
+
+MOST_OPEN: Final = 200
+"""Words left open over all cases, behind which no further case is looked at."""
+
+GROUPS: Final = ("slope", "offset", "gain", "weight")
 
 
 @dataclass(frozen=True)
 class FunctionProof:
     """The proof that one function computes the bits of its reference.
 
-    words: compared, the returned one included. open: those not shown equal, by their C path. solved: equalities that
-    the solver decided. difference: of the first open word that differs in a drawn sample, the sample. refused: why
-    there is no proof, if the function is outside what is traced.
+    words: compared, the returned one included, in each case. cases: of the truths that the `if` statements of the C
+    depend on. open: words not shown equal, by their C path. solved: equalities that the solver decided. difference: of
+    the first open word that differs in a drawn sample, the sample. refused: why there is no proof, if the function is
+    outside what is traced.
     """
 
     function: str
@@ -56,6 +84,7 @@ class FunctionProof:
     seconds: float
     difference: str = ""
     refused: str = ""
+    cases: int = 1
 
     @property
     def holds(self) -> bool:
@@ -66,7 +95,8 @@ class FunctionProof:
             return f"{self.function}: not proved: {self.refused}"
         if self.difference:
             return f"{self.function}: DIFFERS: {self.difference}"
-        said = f"{self.words} words, {self.solved} equalities by the solver, {self.seconds:.1f} s"
+        cases = f"{self.cases} cases, " if self.cases > 1 else ""
+        said = f"{self.words} words, {cases}{self.solved} equalities by the solver, {self.seconds:.1f} s"
         if self.open:
             return f"{self.function}: not proved: {len(self.open)} words are open, {self.open[0]} first ({said})"
         return f"{self.function}: equal for every input ({said})"
@@ -74,12 +104,11 @@ class FunctionProof:
 
 @dataclass(frozen=True)
 class Translation:
-    """The proofs of all functions; solver: whether it was installed. sampled: functions without a proof."""
+    """The proofs of all functions; solver: whether it was installed."""
 
     model: str
     solver: bool
     functions: tuple[FunctionProof, ...]
-    sampled: tuple[str, ...]
 
     @property
     def holds(self) -> bool:
@@ -88,11 +117,10 @@ class Translation:
 
     def lines(self) -> list[str]:
         lines = [proof.line() for proof in self.functions]
-        lines += [f"{function}: not proved; `hysgen verify` samples it" for function in self.sampled]
         if not self.solver:
             lines.append("without a solver, equal forms alone are proved: pip install 'hysgen[prove]'")
         proved = sum(proof.holds for proof in self.functions)
-        return [*lines, f"{self.model}: {proved} of {len(self.functions) + len(self.sampled)} functions proved"]
+        return [*lines, f"{self.model}: {proved} of {len(self.functions)} functions proved"]
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -100,116 +128,186 @@ class Translation:
 
 
 def translation(
-    model: Model, texts: Mapping[str, str], *, progress: Callable[[float, str], None] | None = None
+    model: Model,
+    texts: Mapping[str, str],
+    *,
+    calls: Sequence[str] = (),
+    progress: Callable[[float, str], None] | None = None,
 ) -> Translation:
-    """Prove every function of ARGUMENTS that the texts of `generate` define; the others are named.
+    """Prove every function of CALLS that the texts of `generate` define, or those of `calls` among them.
 
     Raises ModelError for a part of the model without a box of its states.
     """
     interface = interface_of(model.name, texts)
     source = Source(model.name, texts)
-    names = [name for name in ARGUMENTS if interface.has(name)]
+    names = [name for name in CALLS if interface.has(name) and (not calls or name in calls)]
     proofs: list[FunctionProof] = []
     for place, function in enumerate(names):
         if progress is not None:
             progress(place / len(names), f"proof of {function}")
         proofs.append(_proved(model, source, interface, function))
-    sampled = tuple(name for name in ("learn", "learn_init", "commit") if interface.has(name))
-    return Translation(model.name, importlib.util.find_spec(SOLVER) is not None, tuple(proofs), sampled)
+    return Translation(model.name, importlib.util.find_spec(SOLVER) is not None, tuple(proofs))
 
 
 def _proved(model: Model, source: Source, interface: Any, function: str) -> FunctionProof:
     begun = time.monotonic()
-    words = tuple(interface.struct(f"{model.name}_t").words())
-    call = _Call(model, function, words, state_ranges(model, function))
+    call = _Call(model, function, interface)
     try:
-        pairs = list(call.pairs(source))
+        compared = list(call.compared(source))
+        many = max(len(decisions) for _, decisions in compared) > FEW_DECISIONS
+        sweep = Sweep(call.drawn, list(call.assumed()), by_cases=many)
+        open_words: list[str] = []
+        difference, words, cases = "", 0, 0
+        for pairs, decisions in compared:
+            for case in sweep.cases(decisions):
+                if difference or len(open_words) > MOST_OPEN:
+                    break
+                cases, words = cases + 1, words + len(pairs)
+                made = sweep.pairs([pair[1:] for pair in pairs], case)
+                for (path, _, _), (got, expected) in zip(pairs, made, strict=True):
+                    if got is expected:
+                        continue
+                    open_words.append(path)
+                    wrong = np.flatnonzero((sweep.values(got) != sweep.values(expected)) & sweep.holds(case))
+                    if wrong.size and not difference:
+                        in_c, in_reference = (int(sweep.values(op)[wrong[0]]) for op in (got, expected))
+                        values = f"{path}: {in_c:#010x} in C, {in_reference:#010x} in the reference"
+                        difference = f"{values}, for {call.sample(int(wrong[0]))}"
     except KernelRefusalError as refusal:
         return FunctionProof(function, 0, (), 0, time.monotonic() - begun, refused=str(refusal))
-    sweep = Sweep(call.drawn, list(call.assumed()))
-    compared = sweep.pairs([pair[1:] for pair in pairs])
-    open_words: list[str] = []
-    difference = ""
-    for (path, _, _), (got, expected) in zip(pairs, compared, strict=True):
-        if got is expected:
-            continue
-        open_words.append(path)
-        wrong = np.flatnonzero(sweep.values(got) != sweep.values(expected))
-        if wrong.size and not difference:
-            in_c, in_reference = (int(sweep.values(op)[wrong[0]]) for op in (got, expected))
-            difference = (
-                f"{path}: {in_c:#010x} in C, {in_reference:#010x} in the reference, for {call.sample(int(wrong[0]))}"
-            )
     seconds = time.monotonic() - begun
-    return FunctionProof(function, len(pairs), tuple(open_words), sweep.decided, seconds, difference)
+    unique = tuple(dict.fromkeys(open_words))
+    return FunctionProof(function, words, unique, sweep.decided, seconds, difference, cases=cases)
 
 
-@dataclass
 class _Call:
-    """One function, called with symbols. words: of its struct. ranges: of the words before the call that have one."""
+    """One function, called with symbols. ranges: of the words before the call that have one, by their path."""
 
-    model: Model
-    function: str
-    words: Sequence[Word]
-    ranges: Mapping[str, tuple[float, float]]
-
-    def __post_init__(self) -> None:
-        self.graph = Graph()
-        self.types = {word.path: word.type for word in self.words}
-        self.arguments = [self.graph.param(k) for k in range(ARGUMENTS[self.function])]
-        self.before = {word.path: self._started(word.path) for word in self.words}
+    def __init__(self, model: Model, function: str, interface: Interface) -> None:
+        self.model, self.function, self.graph = model, function, Graph()
+        suffixes, arguments = CALLS[function]
+        self.paths = {
+            suffix: [PREFIX[suffix] + word.path for word in interface.struct(f"{model.name}_{suffix}").words()]
+            for suffix in suffixes
+        }
+        self.types = {
+            PREFIX[suffix] + word.path: word.type
+            for suffix in suffixes
+            for word in interface.struct(f"{model.name}_{suffix}").words()
+        }
+        ranges = state_ranges(model, function)
+        self.ranges = {path: ranges[path] for path in self.types if path in ranges}
+        self.arguments = [self.graph.param(k) for k in range(arguments)]
+        self.before = {path: self._started(path) for path in self.types}
 
     def _started(self, path: str) -> Op:
         """The word before the call; a number, if its range is one."""
         low, high = self.ranges.get(path, (0, 1))
         if low == high:
             return self.graph.const(int(np.float32(low + 0.0).view(np.uint32)))
-        return self.graph.symbol(path)
+        return self.graph.symbol(path, truth=high == 1 and path in self.ranges and self.types[path] != "float")
 
-    def pairs(self, source: Source) -> Iterator[tuple[str, Op, Op]]:
-        """Path of every word after the call, its value in C and in the reference."""
-        for active in (None,) if self.function == "init" else (0, 1):
-            before = dict(self.before)
-            if active is not None:
-                before["active"] = self.graph.const(active)
-            function = f"{self.model.name}_{self.function}"
-            after = outcome(source, self.graph, function, [list(before.values()), *self.arguments])
-            in_c = dict(zip(before, after.structs["self"], strict=True))
+    def compared(self, source: Source) -> Iterator[tuple[list[tuple[str, Op, Op]], Sequence[Decision]]]:
+        """For every active bank and phase: path of every word after the call, its value in C and in the reference, and
+        the decisions of the C."""
+        banks = [{}] if self.function == "init" or "active" not in self.before else [{"active": 0}, {"active": 1}]
+        phases = [{"learner.candidate.phase": int(phase)} for phase in Phase] if self.function == "commit" else [{}]
+        for numbers in (bank | phase for bank in banks for phase in phases):
+            before = self.before | {path: self.graph.const(number) for path, number in numbers.items()}
+            structs: list[Op | Sequence[Op]] = [[before[path] for path in paths] for paths in self.paths.values()]
+            after = outcome(source, self.graph, f"{self.model.name}_{self.function}", [*structs, *self.arguments])
             with traced(), np.errstate(all="ignore"):
-                expected, result = self._reference(before, active or 0)
-            for path, value in in_c.items():
-                yield path, value, expected.get(path, before[path])
-            if after.result is not None:
-                yield "result", after.result, result
+                expected, result = self._reference(before)
+            words = zip(self.paths.values(), after.structs.values(), strict=True)
+            in_c = {path: op for paths, ops in words for path, op in zip(paths, ops, strict=True)}
+            pairs = [(path, op, expected.get(path, before[path])) for path, op in in_c.items()]
+            yield pairs + ([("result", after.result, result)] if after.result is not None else []), after.decisions
 
-    def _reference(self, before: Mapping[str, Op], active: int) -> tuple[dict[str, Op], Any]:
+    def _reference(self, before: Mapping[str, Op]) -> tuple[dict[str, Op], Any]:
         """Words that the reference leaves, by their path in C, and what it returns."""
-        graph, model = self.graph, self.model
-        arguments = [Symbols.of(graph, [argument], np.float32) for argument in self.arguments]
         start = np.zeros(1, np.float32)
-        lanes = Instance(model, start, start)
-        paths = [word.path for word in self.words][1 : 1 + len(lanes.words())]  # `active` is no word of the mirror
-        lanes = with_symbols(graph, lanes)
-        if self.function != "init":
-            lanes.restore([Symbols.of(graph, [before[path]]) for path in paths])
-            groups = ("slope", "offset", "gain", "weight")
-            lanes.bank = Bank(*(self._row(before, f"bank[{active}].{group}[") for group in groups))
+        instance = Instance(self.model, start, start)
+        if LEARNER in self.paths:
+            return self._learner_reference(before, instance)
+        lanes = self._restored(before, instance)
+        arguments = [Symbols.of(self.graph, [argument], np.float32) for argument in self.arguments]
         returned = getattr(lanes, self.function)(*arguments)
-        words = [coerced(graph, word, np.dtype(np.uint32)).ops.ravel()[0] for word in lanes.words().values()]
-        expected = dict(zip(paths, words, strict=True))
+        expected = self._words(INSTANCE, lanes.words())
         if self.function == "init":
-            expected |= {"active": graph.const(0)} | self._banks(lanes.numbers.bank)
+            numbers = [op for group in GROUPS for op in getattr(lanes.numbers.bank, group).ops]
+            banks = [path for path in before if path.startswith("bank[")]
+            expected |= {"active": self.graph.const(0)} | dict(zip(banks, [*numbers, *numbers], strict=True))
         return expected, returned.ops.ravel()[0] if isinstance(returned, Symbols) else None
 
-    def _row(self, before: Mapping[str, Op], prefix: str) -> Any:
-        ops = [op for path, op in before.items() if path.startswith(prefix)]
-        return Symbols.of(self.graph, ops, np.float32)
+    def _learner_reference(self, before: Mapping[str, Op], instance: Instance) -> tuple[dict[str, Op], Any]:
+        """`_reference` of a function of the learner."""
+        model, returned = self.model, None
+        if self.function == "learn_init":
+            lanes = self._restored(before, instance)
+            lanes.numbers = instance.numbers
+            learner = Learner(model, lanes)
+            idle = {"learner.candidate.phase": 0, "learner.candidate.point": 0}
+            expected = {path: self.graph.const(number) for path, number in idle.items()} | {
+                f"learner.base.{path.partition('.')[2]}": op
+                for path, op in before.items()
+                if path.startswith(f"bank[{before['active'].number}].")
+            }
+            return expected | self._words(LEARNER, learner.words()), None
+        numeric = Learner(model, instance)
+        if self.function == "learn":
+            learner = self._restored(before, numeric)
+            learner.learn(*(Symbols.of(self.graph, [argument], np.float32) for argument in self.arguments))
+            return self._words(LEARNER, learner.words()), None
+        committer = Committer(commit_numbers(model, instance.numbers, certify(model)), numeric)
+        committer = with_symbols(self.graph, committer)
+        committer.learner = self._restored(before, numeric)
+        candidate = [path for path in self.paths[LEARNER] if path.startswith("learner.candidate.")]
+        for name in ("phase", "point", "gain_remainder_um_per_V", "slope_remainder", "theta"):
+            rows = [path for path in candidate if path.split(".")[2].partition("[")[0] == name]
+            setattr(committer, name, self._rows(before, rows, getattr(committer, name)))
+        for group, numbers in committer.bank.items():
+            rows = [path for path in candidate if path.startswith(f"learner.candidate.bank.{group}[")]
+            committer.bank[group] = self._rows(before, rows, numbers)
+            rows = [path for bank in (0, 1) for path in before if path.startswith(f"bank[{bank}].{group}[")]
+            committer.banks[group] = self._rows(before, rows, committer.banks[group])
+        committer.active = Symbols.of(self.graph, [before["active"]])
+        returned = committer.commit()
+        expected = self._words(LEARNER, committer.learner.words())
+        expected |= dict(zip(candidate, self._ops(committer.words()), strict=True))
+        expected["active"] = committer.active.ops.ravel()[0]
+        for group, rows_of in committer.banks.items():
+            paths = [path for bank in (0, 1) for path in before if path.startswith(f"bank[{bank}].{group}[")]
+            expected |= dict(zip(paths, coerced(self.graph, rows_of, np.dtype(np.float32)).ops.ravel(), strict=True))
+        return expected, coerced(self.graph, returned, np.dtype(np.uint32)).ops.ravel()[0]
 
-    def _banks(self, bank: Any) -> dict[str, Op]:
-        """Both banks as `init` writes them."""
-        rows = {path: op for path, op in self.before.items() if path.startswith("bank[")}
-        numbers = [op for row in (bank.slope, bank.offset, bank.gain, bank.weight) for op in row.ops]
-        return dict(zip(rows, [*numbers, *numbers], strict=True))
+    def _restored(self, before: Mapping[str, Op], lanes: Any) -> Any:
+        """The mirror of a struct with the words before the call and its bank, the active one or the learner's base."""
+        suffix = LEARNER if isinstance(lanes, Learner) else INSTANCE
+        paths = self._mirrored(suffix, lanes.words())
+        lanes = with_symbols(self.graph, lanes)
+        if self.function == "init":
+            return lanes
+        lanes.restore([Symbols.of(self.graph, [before[path]]) for path in paths])
+        of = "learner.base." if suffix == LEARNER else f"bank[{before['active'].number}]."
+        rows = [[op for path, op in before.items() if path.startswith(f"{of}{group}[")] for group in GROUPS]
+        bank = Bank(*(Symbols.of(self.graph, row, np.float32) for row in rows))  # type: ignore[arg-type]
+        setattr(lanes, "base" if suffix == LEARNER else "bank", bank)
+        return lanes
+
+    def _mirrored(self, suffix: str, words: Mapping[str, Any]) -> list[str]:
+        """Paths of the words that the mirror of a struct has: all behind `active`, up to its banks or candidate."""
+        first = int(suffix == INSTANCE)
+        return self.paths[suffix][first : first + len(words)]
+
+    def _words(self, suffix: str, words: Mapping[str, Any]) -> dict[str, Op]:
+        return dict(zip(self._mirrored(suffix, words), self._ops(words), strict=True))
+
+    def _ops(self, words: Mapping[str, Any]) -> list[Op]:
+        return [coerced(self.graph, word, np.dtype(np.uint32)).ops.ravel()[0] for word in words.values()]
+
+    def _rows(self, before: Mapping[str, Op], paths: Sequence[str], like: Any) -> Symbols:
+        made = Symbols.of(self.graph, [before[path] for path in paths], like.dtype)
+        return made.reshape(*like.shape)
 
     def assumed(self) -> Iterator[Op]:
         """What holds before the call: every word in its range, and the limits of the voltage in their order."""
@@ -225,7 +323,7 @@ class _Call:
                 yield graph.op("cmpeqsp", word, word)
             else:
                 yield negated(graph, graph.op("cmpgtu", word, graph.const(int(high))))
-        if "low_V" in self.ranges:
+        if "low_V" in self.before and self.ranges:
             yield negated(graph, graph.op("cmpgtsp", self.before["low_V"], self.before["high_V"]))
 
     def drawn(self, op: Op) -> Words:
@@ -259,10 +357,18 @@ class _Call:
 
 
 def state_ranges(model: Model, function: str) -> dict[str, tuple[float, float]]:
-    """C path -> least and largest value, of every word of the struct before the call that has a box."""
+    """Path -> least and largest value, of every word of the structs before the call that has a box."""
     if function == "init":
         return {}
-    boxes, largest = dict(state_box(model)), parts_box(model).integers
+    boxes: dict[str, Interval] = dict(state_box(model))
+    largest = {path: float(last) for path, last in parts_box(model).integers.items()}
     if model.learner:
-        boxes |= {f"bank[{b}].{path}": box for b in (0, 1) for path, box in bank_box(model).items()}
-    return {path: (b.low, b.high) for path, b in boxes.items()} | {path: (0, last) for path, last in largest.items()}
+        banks = bank_box(model)
+        boxes |= {f"bank[{b}].{path}": box for b in (0, 1) for path, box in banks.items()}
+        learner, points = learner_box(model), commit_numbers(model, coefficients(model), certify(model)).points
+        boxes |= {f"learner.{path}": box for path, box in learner.floats.items()}
+        for part in ("base", "candidate.bank"):
+            boxes |= {f"learner.{part}.{path}": box for path, box in banks.items()}
+        largest |= {f"learner.{path}": float(last) for path, last in learner.integers.items()}
+        largest["learner.candidate.point"] = points - 1.0
+    return {path: (b.low, b.high) for path, b in boxes.items()} | {path: (0.0, last) for path, last in largest.items()}

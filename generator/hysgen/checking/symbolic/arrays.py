@@ -6,7 +6,7 @@ An operation that is not listed here is refused with KernelRefusalError: nothing
     float32    + - *, comparisons, -x, |x|, finite or not
     uint32     + - * & | ^ << >>, % 2^n, comparisons, ~x
     bool       & | ^ ~, sum
-    all        where, stack, slices, elements at a traced index
+    all        where, stack, slices, maximum and minimum, elements at a traced index
 """
 
 from __future__ import annotations
@@ -85,6 +85,12 @@ class Symbols(NDArrayOperatorsMixin):
     def copy(self) -> Symbols:
         return Symbols(self.graph, self.ops.copy(), self.dtype)
 
+    def __deepcopy__(self, made: dict[int, Any]) -> Symbols:
+        return self.copy()
+
+    def reshape(self, *shape: int) -> Symbols:
+        return Symbols(self.graph, self.ops.reshape(shape), self.dtype)
+
     def view(self, dtype: Any) -> Symbols:
         """The same bits as float32 or uint32."""
         if {self.dtype, np.dtype(dtype)} - {_FLOAT, _WORD}:
@@ -107,6 +113,24 @@ class Symbols(NDArrayOperatorsMixin):
             total.ops = _each(lambda a, b: self.graph.op("add", a, b), total.ops, row)
         return total
 
+    def any(self, axis: int | None = None) -> Symbols | bool:
+        """Whether one is true along an axis; without an axis: one may be true."""
+        if axis is None:
+            return True
+        return self._along(axis, lambda a, b: self.graph.op("or", a, b))
+
+    def max(self, axis: int = 0) -> Symbols:
+        return self._along(axis, lambda a, b: _larger(self.graph, a, b, self.dtype == _FLOAT))
+
+    def min(self, axis: int = 0) -> Symbols:
+        return self._along(axis, lambda a, b: _smaller(self.graph, a, b, self.dtype == _FLOAT))
+
+    def _along(self, axis: int, join: Callable[[Op, Op], Op]) -> Symbols:
+        first, *rest = np.moveaxis(self.ops, axis, 0)
+        for row in rest:
+            first = _each(join, first, row)
+        return Symbols(self.graph, np.asarray(first, dtype=object), self.dtype)
+
     def __getitem__(self, key: Any) -> Symbols:
         keys = key if isinstance(key, tuple) else (key,)
         if not any(isinstance(part, Symbols) for part in keys):
@@ -118,6 +142,9 @@ class Symbols(NDArrayOperatorsMixin):
 
     def __setitem__(self, key: Any, value: Any) -> None:
         keys = key if isinstance(key, tuple) else (key,)
+        if not any(isinstance(part, Symbols) for part in keys):
+            self.ops[key] = coerced(self.graph, value, self.dtype).ops
+            return
         distance, _, row = self._distance(keys)
         if row != 1:
             raise KernelRefusalError("a store of a row at a traced index")
@@ -161,6 +188,8 @@ class Symbols(NDArrayOperatorsMixin):
             if size.bit_count() != 1:
                 raise KernelRefusalError("a remainder of a division by other than a power of two")
             return Symbols(graph, _each(lambda x, _: graph.op("and", x, graph.const(size - 1)), a.ops, b.ops), dtype)
+        if ufunc in _EXTREMES:
+            return Symbols(graph, _each(lambda x, y: _EXTREMES[ufunc](graph, x, y, floating), a.ops, b.ops), dtype)
         symbol = _BINARY.get(ufunc)
         if symbol is None:
             raise KernelRefusalError(f"{ufunc.__name__} of arrays")
@@ -225,6 +254,17 @@ def with_symbols(graph: Graph, given: Any, made: dict[int, Any] | None = None) -
     return changed
 
 
+def _larger(graph: Graph, a: Op, b: Op, floating: bool) -> Op:
+    return graph.select(graph.op("cmpltsp", a, b), b, a) if floating else graph.select(graph.op("cmpgtu", b, a), b, a)
+
+
+def _smaller(graph: Graph, a: Op, b: Op, floating: bool) -> Op:
+    return graph.select(graph.op("cmpltsp" if floating else "cmpltu", b, a), b, a)
+
+
+_EXTREMES: Final[Mapping[Any, Callable[[Graph, Op, Op, bool], Op]]] = {np.maximum: _larger, np.minimum: _smaller}
+
+
 def _each(function: Callable[..., Op], *operands: Any) -> NDArray[np.object_]:
     return np.asarray(np.frompyfunc(function, len(operands), 1)(*operands), dtype=object)
 
@@ -264,8 +304,10 @@ _FUNCTIONS: Final[Mapping[Any, Callable[..., Any]]] = {
     np.stack: _stack,
     np.full_like: _filled,
     np.zeros_like: lambda graph, like, dtype=None: _filled(graph, like, 0, dtype),
+    np.empty_like: lambda graph, like, dtype=None: _filled(graph, like, 0, dtype),
     np.ones_like: lambda graph, like, dtype=None: _filled(graph, like, 1, dtype),
     np.shape: lambda _, array: array.shape,
+    np.repeat: lambda graph, array, times, axis: Symbols(graph, np.repeat(array.ops, times, axis), array.dtype),
     np.tile: lambda graph, array, times: Symbols(graph, np.tile(array.ops, times), array.dtype),
 }
 

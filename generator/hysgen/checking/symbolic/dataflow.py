@@ -43,6 +43,8 @@ class Op:
         match self.kind:
             case "const":
                 return self.number in (0, 1)
+            case "symbol":
+                return self.number == 1
             case "and":
                 return any(arg.truth for arg in self.args)
             case "or" | "xor":
@@ -125,9 +127,9 @@ class Graph:
         """The parameter `index` of the function, a word."""
         return self._node("param", number=index)
 
-    def symbol(self, name: str) -> Op:
-        """The address of a table of constants."""
-        return self._node("symbol", name=name)
+    def symbol(self, name: str, truth: bool = False) -> Op:
+        """The address of a table of constants, or an unknown word; truth: one that is 0 or 1."""
+        return self._node("symbol", number=int(truth), name=name)
 
     def load(self, address: Op, offset: int, after: Sequence[Op] = ()) -> Op:
         """The word at address + offset; `after`: earlier stores to the same place."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import importlib
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.expressions import negated
+from hysgen.checking.symbolic.from_c import Decision
 from hysgen.checking.symbolic.semantics import MASK
 from hysgen.checking.symbolic.source import KernelRefusalError
 
@@ -36,6 +37,8 @@ SOLVER_MS: Final = 60_000
 MOST_ASKED: Final = 3000
 """Pairs that the solver is handed in one sweep; what is left then stays open."""
 SOLVER: Final = "bitwuzla"
+MOST_SPLIT: Final = 7
+"""Operations of a disjunction whose parts, up to four, are cases. A longer one holds or fails as a whole."""
 
 
 _ONE, _MINUS, _SIGN, _INFINITY = 0x3F80_0000, 0xBF80_0000, 0x8000_0000, 0x7F80_0000
@@ -96,17 +99,45 @@ _FREE: Final = frozenset(["addsp", "subsp", "mpysp", "intspu", "element", "symbo
 
 
 @dataclass
+class Case:
+    """A case of two programs. decided: by the id of a representative, its truth; of: representatives in this case."""
+
+    decided: Mapping[int, int]
+    of: dict[int, Op] = field(default_factory=dict)
+
+
+def _atom(condition: Op) -> Op:
+    """A truth that a condition depends on: no constant, conjunction, negation or short disjunction."""
+    while condition.kind in ("and", "xor", "select", "cmpeq", "or") and condition.args[0].truth:
+        if condition.kind == "or" and len(_decided(condition, 0)) > MOST_SPLIT:
+            return condition
+        condition = condition.args[0]
+    return condition
+
+
+def _decided(atom: Op, truth: int) -> dict[int, int]:
+    """The truths that follow from one: where a disjunction fails, every part of it fails."""
+    pending, known = [atom], {}
+    while pending:
+        op = pending.pop()
+        known[id(op)] = truth
+        pending += op.args if op.kind == "or" and not truth else ()
+    return known
+
+
+@dataclass
 class Sweep:
     """Representatives of operations.
 
-    drawn: SAMPLES values of an input, a `symbol` or a `param`. asked, decided: pairs that the solver was handed, and
-    those that it found equal. side: 0 or 1, which of two programs the next operations belong to; within a
-    program only selections are compared, such as limits that never act.
+    drawn: SAMPLES values of an input, a `symbol` or a `param`. by_cases: whether the programs branch often. asked,
+    decided: pairs that the solver was handed, and those that it found equal. side: 0 or 1, which of two programs the
+    next operations belong to; within a program only selections are compared, such as limits that never act.
     """
 
     drawn: Callable[[Op], Words]
     facts: Sequence[Op] = ()
     graph: Graph = field(default_factory=Graph)
+    by_cases: bool = False
     side: int = 0
     asked: int = 0
     decided: int = 0
@@ -123,8 +154,8 @@ class Sweep:
         if self._solver is not None and self.facts:
             self._solver.know([self.representative(fact) for fact in self.facts])
 
-    def representative(self, op: Op) -> Op:
-        """The operation that stands for every operation that is equal to `op`."""
+    def representative(self, op: Op, case: Case | None = None) -> Op:
+        """The operation that stands for every operation that is equal to `op`, in a case of the truths in it."""
         pending = [op]
         while pending:
             top = pending[-1]
@@ -136,15 +167,62 @@ class Sweep:
             if id(top) not in self._of:
                 self._held.append(top)
                 self._of[id(top)] = self._placed(self._rebuilt(top, [self._of[id(arg)] for arg in top.args]))
-        return self._of[id(op)]
+        whole = self._of[id(op)]
+        return whole if case is None or not case.decided else self._restricted(whole, case)
 
-    def pairs(self, programs: Sequence[tuple[Op, Op]]) -> list[tuple[Op, Op]]:
+    def _restricted(self, op: Op, case: Case) -> Op:
+        """A representative with the truths of a case in place of its conditions."""
+        pending, known, begun = [op], case.of, set[int]()
+        while pending:
+            top = pending[-1]
+            begun.add(id(top))
+            missing = [arg for arg in top.args if id(arg) not in known]
+            if id(top) in known:
+                pending.pop()
+            elif id(top) in case.decided:
+                known[id(top)] = self._placed(self.graph.const(case.decided[id(top)]))
+            elif missing:
+                pending += missing
+            else:
+                args = [known[id(arg)] for arg in top.args]
+                same = all(new is old for new, old in zip(args, top.args, strict=True))
+                new = top if same else self._placed(self._rebuilt(top, args))
+                if same or id(new) in known or id(new) in begun:
+                    known[id(top)] = known.get(id(new), new)
+                else:
+                    pending.append(new)
+        return known[id(op)]
+
+    def pairs(self, programs: Sequence[tuple[Op, Op]], case: Case | None = None) -> list[tuple[Op, Op]]:
         """Representatives of the results of two programs, pair by pair."""
         made = []
         for side in (0, 1):
             self.side = side
-            made.append([self.representative(pair[side]) for pair in programs])
+            made.append([self.representative(pair[side], case) for pair in programs])
         return list(zip(*made, strict=True))
+
+    def cases(self, decisions: Sequence[Decision], decided: Mapping[int, int] | None = None) -> Iterator[Case]:
+        """All cases of the truths on which the decisions of the first program depend."""
+        self.side = 0
+        case = Case(decided or {})
+        for place, decision in enumerate(decisions):
+            around = [(self.representative(op, case), side) for op, side in decision.around]
+            if any(op.kind == "const" and bool(op.number) != side for op, side in around):
+                continue
+            condition = self.representative(decision.condition, case)
+            if condition.kind != "const":
+                atom = _atom(condition)
+                for truth in (0, 1):
+                    yield from self.cases(decisions[place:], {**case.decided, **_decided(atom, truth)})
+                return
+        yield case
+
+    def holds(self, case: Case) -> NDArray[np.bool_]:
+        """The drawn samples that belong to a case."""
+        met = np.ones(SAMPLES, np.bool_)
+        for key, truth in case.decided.items():
+            met &= self._values[key] == truth
+        return met
 
     def values(self, op: Op) -> Words:
         """The drawn samples of a representative."""
@@ -157,7 +235,7 @@ class Sweep:
             case "param":
                 return self.graph.param(op.number)
             case "symbol":
-                return self.graph.symbol(op.name)
+                return self.graph.symbol(op.name, op.truth)
             case "select":
                 return self.graph.select(*args)
             case "element":
@@ -167,6 +245,10 @@ class Sweep:
                 return self.graph.indexed(args[1:], distance, offset)
             case "addsp" | "subsp" if _is_negative(args[1]):
                 return self.graph.op("subsp" if op.kind == "addsp" else "addsp", args[0], args[1].args[0])
+            case "sub" if args[1].kind == "const" and not args[1].number:
+                return args[0]
+            case "mpysp" if any(arg.kind == "const" and arg.number == _ONE for arg in args):
+                return args[args[0].kind == "const" and args[0].number == _ONE]  # x 1 is x, a NaN another NaN
             case "mpysp" if any(_sign_of(arg) for arg in args):
                 x, side = args if _sign_of(args[1]) else (args[1], args[0])
                 flipped = self.graph.op("xor", x, self.graph.const(_SIGN))
@@ -176,6 +258,9 @@ class Sweep:
             case "cmpgtu" if args[1].kind == "const" and args[1].number < MASK:
                 above = self.graph.const(args[1].number + 1)
                 return negated(self.graph, self.graph.op("cmpltu", args[0], above))
+            case "cmpltu" if args[0].kind == "const" and args[0].number < MASK:
+                above = self.graph.const(args[0].number + 1)
+                return negated(self.graph, self.graph.op("cmpltu", args[1], above))
             case "cmpgtu" | "cmpgtsp":
                 return self.graph.op(op.kind.replace("gt", "lt"), args[1], args[0])
             case "shl" | "mpy32" if args[1].kind == "const":
@@ -233,7 +318,7 @@ class Sweep:
             return self._placed(self._rebuilt(op, args))
         bits = self._values[id(op)] = self._computed(op)
         alike = self._alike.setdefault(bits.tobytes(), [])
-        if self._solver is not None and op.kind in _SOLVED and self.asked < MOST_ASKED:
+        if self._solver is not None and op.kind in _SOLVED and self.asked < MOST_ASKED and self._worth_asking(op):
             own = set(map(id, _variables(op)))
             candidates = [
                 other for other in alike if self._side[id(other)] != self.side or op.kind == other.kind == "select"
@@ -248,6 +333,11 @@ class Sweep:
         alike.append(op)
         self._side[id(op)] = self.side
         return op
+
+    def _worth_asking(self, op: Op) -> bool:
+        """With cases: whether the samples exercise it. A condition that they never meet is decided by a case."""
+        moving = self._values[id(op.args[0] if op.kind == "select" else op)]
+        return not self.by_cases or bool(moving.min() < moving.max())
 
     def _computed(self, op: Op) -> Words:
         inputs = [self._values[id(arg)] for arg in op.args]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from pycparser import c_ast
@@ -35,11 +35,23 @@ def kernel(source: Source, function: str) -> Kernel:
 
 
 @dataclass(frozen=True)
+class Decision:
+    """The condition of an `if`, and the conditions around it with the side of each that the `if` stands on."""
+
+    condition: Op
+    around: tuple[tuple[Op, bool], ...]
+
+
+@dataclass(frozen=True)
 class Outcome:
-    """What a call leaves: the words of each struct behind a pointer parameter, by its name, and the returned word."""
+    """What a call leaves: the words of each struct behind a pointer parameter, by its name, and the returned word.
+
+    decisions: the `if` statements that depend on data, in their order.
+    """
 
     structs: Mapping[str, tuple[Op, ...]]
     result: Op | None
+    decisions: tuple[Decision, ...]
 
 
 def outcome(source: Source, graph: Graph, function: str, arguments: Sequence[Op | Sequence[Op]]) -> Outcome:
@@ -57,6 +69,8 @@ class _Execution:
     memory: SymbolicMemory
     most_operations: float = MOST_OPERATIONS
     locals: int = 0
+    decisions: list[Decision] = field(default_factory=list)
+    around: tuple[tuple[Op, bool], ...] = ()
 
     def __post_init__(self) -> None:
         self.branches = Branches(self.graph, self.memory)
@@ -109,7 +123,7 @@ class _Execution:
             words = [self.memory.read(Place(memory, WORD * k, INTEGER)) for k in range(count)]
             assert all(isinstance(word, Op) for word in words), f"{function}: {name} holds a pointer"
             behind[name] = tuple(word for word in words if isinstance(word, Op))
-        return Outcome(behind, result if isinstance(result, Op) else None)
+        return Outcome(behind, result if isinstance(result, Op) else None, tuple(self.decisions))
 
     def _call(self, function: str, arguments: Sequence[Value]) -> Value:
         name = self.source.name
@@ -151,6 +165,10 @@ class _Execution:
                         return True, value
                 case c_ast.For():
                     self._for(statement, scope)
+                case c_ast.Switch():
+                    self._switch(statement, scope)
+                case c_ast.Break() if statement is statements[-1]:
+                    pass
                 case c_ast.DeclList():
                     for each in statement.decls:
                         self._declare(each, scope)
@@ -169,13 +187,18 @@ class _Execution:
         if condition.kind == "const":
             returned, value = self._block(sides[condition.number == 0], dict(scope))
             return returned, value, returned
+        outside = self.around
+        self.decisions.append(Decision(condition, outside))
         before = self.memory.state
         returns = any(_returns(side) for side in sides)
         executed = [[*side, *rest] if returns else side for side in sides]
         assumed = self.branches.assumed(before, condition)
+        self.around = (*outside, (condition, True))
         taken, (one, yes) = self.branches.execute(assumed, lambda: self._block(executed[0], dict(scope)))
         taken.cells |= {key: before.cells[key] for key, value in assumed.cells.items() if taken.cells[key] is value}
+        self.around = (*outside, (condition, False))
         passed, (other, no) = self.branches.execute(before, lambda: self._block(executed[1], dict(scope)))
+        self.around = outside
         self.memory.state = self.branches.merged(condition, taken, passed)
         if not returns:
             return False, None, False
@@ -200,6 +223,17 @@ class _Execution:
             if self._block(body, dict(inner))[0]:
                 raise KernelRefusalError(f"{node.coord}: a return inside a loop")
             self.expressions.value(node.next, inner)
+
+    def _switch(self, node: c_ast.Switch, scope: dict[str, Place]) -> None:
+        """The case of a constant; each case ends in a break."""
+        condition = self.expressions.word(node.cond, scope)
+        if condition.kind != "const":
+            raise KernelRefusalError(f"{node.coord}: the case of a switch depends on data")
+        for case in node.stmt.block_items:
+            if isinstance(case, c_ast.Default) or self.expressions.word(case.expr, scope) is condition:
+                if self._block(case.stmts or [], dict(scope))[0]:
+                    raise KernelRefusalError(f"{node.coord}: a return inside a switch")
+                return
 
     def _declare(self, node: c_ast.Decl, scope: dict[str, Place]) -> None:
         place = scope[node.name] = self._local(node.name, self.source.types.of(node.type))

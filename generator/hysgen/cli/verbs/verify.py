@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from hysgen.api.code import prove
 from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
 from hysgen.checking.bits.functions import LEARNING_SHARE
 from hysgen.checking.cost import cost_of_texts
@@ -66,6 +67,9 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=1, help="of the inputs and the random models (default %(default)s)")
     parser.add_argument("--report", metavar="FILE.html", help="write the result as one page that needs no other file")
     parser.add_argument(
+        "--prove", action="store_true", help="also prove equality for every input, as `hysgen prove --only equal` does"
+    )
+    parser.add_argument(
         "--target",
         type=lambda name: target(name, "verify"),
         metavar="{" + ",".join(named("verify")) + "}",
@@ -80,6 +84,8 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_verify(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.prove and arguments.target:
+        raise HysgenError("--prove: belongs to verify without --target; leave one of them out")
     given = {"updates": arguments.updates is not None, "machines": bool(arguments.machine)}
     for option in (name for name, used in given.items() if used):
         if arguments.target is None or option not in arguments.target.verify_options:
@@ -102,7 +108,12 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
         price = cost_of_texts(folder.model, folder.texts, timed=False)
         write_whole(Path(arguments.report), folder_page(folder.model, report, price, command_line()).html())
         console.say(f"written: {arguments.report}")
-    return console.finish(report.to_json(), report.equal)
+    if not arguments.prove:
+        return console.finish(report.to_json(), report.equal)
+    proof = prove(Path(arguments.folder), ["equal"], progress=console.progress)
+    console.say("\n".join(proof.checks["equal"].answer.lines()))
+    answer = {**report.to_json(), "proof": proof.checks["equal"].answer.to_json()}
+    return console.finish(answer, report.equal and proof.clean)
 
 
 def run_on_target(arguments: argparse.Namespace, console: Console) -> int:
@@ -121,7 +132,7 @@ def prove_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--samples", type=int, default=100_000, help="sanitize: of each function (default %(default)s)")
     parser.add_argument(
-        "--calls", default="", metavar="CALLS", help="eva: functions to prove, with commas (default all)"
+        "--calls", default="", metavar="CALLS", help="equal, eva: functions to prove, with commas (default all)"
     )
 
 

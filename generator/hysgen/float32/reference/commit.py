@@ -146,7 +146,8 @@ class Committer:
         steep = np.zeros(at.size, np.bool_)
         for end, u in enumerate((model.w_min, model.w_max)):
             near = numbers.half_um * magnitude(curve + b[2] * u)
-            steep |= magnitude(slope + b[1] * u) + (near + self.slope_remainder[end]) >= numbers.slope_limit
+            change = magnitude(slope + b[1] * u) + (near + self.slope_remainder[end])
+            steep = steep | (change >= numbers.slope_limit)
         steep_or_not = np.where(steep, np.uint32(Commit.REFUSED_SLOPE), np.uint32(Commit.BUSY))
         return np.where(weak, np.uint32(Commit.REFUSED_GAIN), steep_or_not)
 
@@ -155,8 +156,8 @@ class Committer:
         """sum_l p_l g_l, sum_l p_l' g_l, sum_l p_l'' g_l, (lanes,) each, summed in ascending order of l."""
         sums = []
         for order in range(3):
-            total = rows[:, order, 0] * numbers[0]
-            for rule in range(1, len(numbers)):
-                total = total + rows[:, order, rule] * numbers[rule]
+            total = np.zeros_like(numbers[0])
+            for rule, number in enumerate(numbers):
+                total = total + rows[:, order, rule] * number
             sums.append(total)
         return sums

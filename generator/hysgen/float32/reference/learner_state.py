@@ -40,11 +40,10 @@ class LearnerState(LearnerWords):
             if member.holds in (Holds.COUNTERS, Holds.INPUTS, Holds.TERMS):
                 continue
             dtype = np.float32 if member.type == "float" else np.uint32
-            value = np.zeros(shapes.get(member.holds, (lanes,)), dtype)
-            value[...] = starts[member.start or Start.ZERO]
-            setattr(self, member.name, value)
-        start = [self._number(i) * self.numbers.scale[i] for i in range(n)]
-        self.reference = np.repeat(np.array(start, np.float32)[:, None], lanes, axis=1)
+            start, shape = starts[member.start or Start.ZERO], shapes.get(member.holds, (lanes,))
+            setattr(self, member.name, start.copy() if np.shape(start) else np.full(shape, start, dtype))
+        own = [self._number(i) * self.numbers.scale[i] for i in range(n)]
+        self.reference = np.repeat(np.array(own, np.float32)[:, None], lanes, axis=1)
         self.counters = {name: np.zeros(lanes, np.uint32) for name in self.COUNTERS}
         self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
         self.restart(np.ones(lanes, np.bool_))
@@ -88,4 +87,5 @@ class LearnerState(LearnerWords):
         parameter = self.numbers.parameters[i]
         table = {"slope": self.base.slope, "gain": self.base.gain, "offset": self.base.offset}
         table |= {"bias": np.zeros(1, np.float32)}
-        return np.float32(table[parameter.group][parameter.index])
+        number: np.float32 = table[parameter.group][parameter.index]
+        return number
