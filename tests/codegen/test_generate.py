@@ -29,7 +29,7 @@ from hysgen.errors import BudgetError, CertificateError, HysgenError
 from hysgen.machine.files import digest
 from hysgen.model.file import dump_model, load_model
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import Model
+from hysgen.model.model import Grid, Model
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
@@ -137,6 +137,18 @@ def test_singular_inverse_is_refused_with_place_and_value() -> None:
     assert "\n" not in str(refused.value)
     assert "generate without the inverse" in str(refused.value)
     assert "smooth_6_inverse" not in generate(singular, Options(inverse=False))["smooth_6.h"]
+
+
+def test_an_inverse_over_a_collapsed_range_is_refused_in_one_line() -> None:
+    """One step of the input leaves a range of 0.3 um; of 1 um it does not."""
+    collapsed = dataclasses.replace(load_model("appendix_a"), grid=Grid(2.0, 2.3, 6))
+    with pytest.raises(
+        CertificateError, match="off by up to 140 V of 140 V: its range of displacement is too"
+    ) as refused:
+        generate(collapsed)
+    assert "\n" not in str(refused.value)
+    generate(collapsed, Options(inverse=False))
+    generate(dataclasses.replace(collapsed, grid=Grid(2.0, 3.0, 6)))
 
 
 def test_code_over_budget_is_refused_with_the_numbers() -> None:

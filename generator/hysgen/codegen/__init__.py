@@ -21,7 +21,7 @@ from hysgen.codegen.parameters import Table, error_section, numbers_digest
 from hysgen.codegen.render import context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
-from hysgen.errors import HysgenError, ModelError
+from hysgen.errors import CertificateError, HysgenError, ModelError
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest, write_whole
 from hysgen.machine.reproducible import rounded_up
@@ -32,6 +32,10 @@ __all__ = ["Derived", "Options", "cost_figures", "generate", "marked_source", "t
 
 LEAST_RESOLVED: Final = 1e-5
 """Step of float32 at the end of the range, as a share of the range, below which it is fine enough in any case."""
+
+MOST_MISSED: Final = 0.1
+"""Share of its range by which an inverse may be off. That of the bundled models is off by 1e-5 of it or less, one whose
+range has collapsed by all of it."""
 
 ERROR_DIGITS: Final = 6
 """Digits of the worst errors in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
@@ -51,6 +55,7 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     if chosen.inverse:
         derived.require_inverse()
     errors = derived.errors(inverse=chosen.inverse)
+    _require_inverse_resolution(model, errors)
     facts = _facts(derived, errors, inverse=chosen.inverse)
     facts["alignment"] = alignment(model) if chosen.aligned else None
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
@@ -92,6 +97,19 @@ def _require_resolution(model: Model) -> None:
             f"{model.name}: at {high_um:.9g} um float32 has steps of {1e3 * step_um:.3g} nm, more than half the noise "
             f"({0.5e3 * noise_um:.3g} nm); take {low_um:.9g} um off the displacement, in the record before the fit and "
             "in the controller"
+        )
+
+
+def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
+    """Raise CertificateError if the inverse in float32 misses by more than MOST_MISSED of its range."""
+    whole = model.u_max_V - model.u_min_V
+    off, unit = errors.inverse_V, "V"
+    if model.responds:
+        off, whole, unit = errors.predict_of_inverse_um, model.grid.y_max_um - model.grid.y_min_um, "um"
+    if off > MOST_MISSED * whole:
+        raise CertificateError(
+            f"{model.name}: the inverse in float32 is off by up to {off:.3g} {unit} of {whole:.3g} {unit}: its range "
+            "of displacement is too narrow; widen it (generate --displacement-range), or generate without the inverse"
         )
 
 
