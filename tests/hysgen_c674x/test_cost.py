@@ -22,7 +22,7 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
 from hysgen.codegen.operations.counting import Counts, Program
 from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_sample, require_budget
-from hysgen.codegen.operations.text import syntax_tree
+from hysgen.codegen.operations.text import concatenated, parsed
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
@@ -82,7 +82,7 @@ def test_counts_of_a_text_that_was_counted_by_hand() -> None:
         return sum;
     }
     """
-    program = Program(syntax_tree({"hand.c": text}, ("hand.c",)))
+    program = Program(parsed(concatenated({"hand.c": text}, ("hand.c",)), "hand.c"))
     # Loop: 4 tests and branches, 3 times one product, one sum, two loads, one increment. After the if the long way: a
     # selection, two stores, the call, a product.
     assert program.count("hand_run") == Counts(
@@ -117,7 +117,7 @@ def test_counts_of_switch_choice_conversion_and_dependent_loops_were_counted_by_
     }
     void whole(pair_t *self, const pair_t *other) { pair_t copied = *other; *self = copied; }
     """
-    program = Program(syntax_tree({"cases.c": text}, ("cases.c",)))
+    program = Program(parsed(concatenated({"cases.c": text}, ("cases.c",)), "cases.c"))
     # Two cases to compare with, one jump; the dearer one: two loads, two stores, a difference, two products. Then a
     # comparison, a branch, the dearer of two values: a sum, a product, a conversion.
     cases = Counts(add=1 + 1, multiply=2 + 1, convert=1, integer=2 + 1, load=2, store=2, branch=1 + 1)
@@ -188,7 +188,7 @@ def test_a_budget_file_keeps_every_model_and_tells_every_change(tmp_path: Path) 
 def test_code_without_a_fixed_cost_is_refused(body: str, complaint: str) -> None:
     text = f"float bad(float u, const uint32_t *n) {{ {body} }}"
     with pytest.raises(HysgenError, match=complaint):
-        Program(syntax_tree({"bad.c": text}, ("bad.c",))).count("bad")
+        Program(parsed(concatenated({"bad.c": text}, ("bad.c",)), "bad.c")).count("bad")
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)

@@ -20,14 +20,6 @@ _DIRECTIVE = re.compile(r"\s*#\s*(\w+)\s*(.*)")
 _DEFINE = re.compile(r"(\w+)(\(\))?\s*(.*)")
 
 
-def syntax_tree(texts: Mapping[str, str], names: tuple[str, ...]) -> c_ast.FileAST:
-    """The syntax tree of the concatenated files `names`; the macros of a file are defined in the files after it.
-
-    Raises HysgenError at a preprocessor directive that generated code does not use.
-    """
-    return parsed(concatenated(texts, names), names[-1])
-
-
 def concatenated(texts: Mapping[str, str], names: tuple[str, ...], defined: tuple[str, ...] = ()) -> str:
     """The preprocessed text of the files `names`; the macros of a file are defined in the files after it.
 
