@@ -14,8 +14,7 @@ import pytest
 
 from hysgen.diagnosis import identifiability
 from hysgen.diagnosis.answer import NamedCause, Price
-from hysgen.diagnosis.causes import Estimate, causes
-from hysgen.diagnosis.causes.base import Known
+from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.causes.drift import Trend
 from hysgen.diagnosis.evaluation import Study, confidence_text, share_text
@@ -34,6 +33,7 @@ from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
+from hysgen_lab.studies.bank.truth import true_extension
 
 WHITE = np.random.default_rng(11).normal(size=20_000)
 
@@ -45,23 +45,23 @@ def test_true_parameters_of_a_plant_make_its_extensions() -> None:
     parameters = {"delay.delay_samples": 2.5, "slew.rate_V_per_s": 700.0, "periodic.f_Hz": 50.0}
     parameters |= {"saturation.low_V": 5.0, "saturation.high_V": 90.0, "creep.per_decade": 0.01, "creep.from_s": 0.1}
     parameters |= {"resonance.f_Hz": 80.0, "resonance.zeta": 0.04, "resonance.share": 0.5}
-    known = Known(parameters, 0.0, 100.0, 10.0, 3e-3, {"x": np.array([1.0, 4.0, -2.0])})
+    known = parameters, {"x": (-2.0, 4.0)}, 10.0, 3e-3
     blocks = {"delay": Delay(2.5), "slew": Slew(700.0, 700.0), "saturation": Saturation(5.0, 90.0)}
     blocks |= {
         "creep": CreepPart(0.01, 0.1).slow_states(10.0, PER_DECADE),
         "resonance": Modes((80.0,), (0.04,), (0.5,), 3e-3),
     }
     for name, block in blocks.items():
-        extension = causes()[name].true_extension(known)
+        extension = true_extension(name, *known)
         assert extension is not None
         assert (extension.block, extension.lag_s, extension.on_path) == (block, 3e-3, True)
-    term = causes()["coupling"].true_extension(known)
+    term = true_extension("coupling", *known)
     assert term is not None
     assert (term.term.low, term.term.high) == ((-2.0,), (4.0,))  # type: ignore[union-attr]
-    memory = causes()["memory"].true_extension(known)
+    memory = true_extension("memory", *known)
     assert memory is not None
     assert (memory.size, memory.lag_s) == (PathSize(), 3e-3)
-    assert causes()["drift"].true_extension(known) is None
+    assert true_extension("drift", *known) is None
 
 
 # Score

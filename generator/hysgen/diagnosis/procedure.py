@@ -31,14 +31,14 @@ from hysgen.diagnosis.ladder import (
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.remaining import left_over
-from hysgen.diagnosis.score import LEAST_EVIDENCE, present
+from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
 from hysgen.machine.cache import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
-from hysgen.model.remaining import Remaining
+from hysgen.model.remaining import LEAST_EVIDENCE, Remaining
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor, residual_noise_floor
 

@@ -32,6 +32,7 @@ from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves, projector_off
 from hysgen.diagnosis.probe.uncertainty import block_left_out_error
+from hysgen.model.remaining import LEAST_EVIDENCE
 from hysgen.record.series import SHORTEST_PLATEAU, dispersion, plateaus, residual_noise, resolution_um
 
 Floats = NDArray[np.float64]
@@ -45,9 +46,6 @@ noise too small, with 1 both are too large (Bell and McCaffrey, 2002). The mean 
 
 RESTING = 200
 """Least samples at rest from which a noise is taken: the standard error of its power is 10 %."""
-
-LEAST_EVIDENCE = 2.0 * math.log(99.0)
-"""Least fall of the score by a named cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 
 from hysgen.diagnosis.causes import Cause, Residual, causes, slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, refine, training_fit
-from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, admissible, present
+from hysgen.diagnosis.score import Scored, admissible, present
 from hysgen.diagnosis.slow_evidence import (
     SecondOperator,
     Whitenings,
@@ -20,6 +20,7 @@ from hysgen.diagnosis.slow_evidence import (
     penalty,
 )
 from hysgen.machine.processes import in_processes
+from hysgen.model.remaining import LEAST_EVIDENCE
 
 LAGS = (0.3, 3.0, 30.0)
 """Starting values of the lag in samples: a lag that a limit or a delay has taken over lies at the end of its range."""

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.sudden import Near, falls_from_each_row
 from hysgen.record.series import BLOCKS, dispersion, residual_noise, resolution_um
 from hysgen.record.wrong_readings import outlier_flags
 
@@ -42,17 +43,14 @@ Flags = NDArray[np.bool_]
 Course = Callable[[Floats, Floats], Floats]
 """Course of a slow change, (n,), of the time since the start of the segment and of the prediction, (n,) each."""
 
-LEAST_EVIDENCE = 10.0
-"""Least evidence of a group: odds of 150 to 1."""
+LEAST_EVIDENCE = 2.0 * math.log(99.0)
+"""Least evidence of a cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
 
 UNLIKELY = 18.4
 """2 ln of the odds against a sudden change before the record: once a day, in a record of ten seconds."""
 
 MOST_CHANGES, FEWEST = 8, 200
 """Sudden changes of a segment that are searched for, and the least rows of a search."""
-
-LEAST_SHARE = 0.5
-"""Least share of a sudden change that shows in the rows around it, and largest excess over it."""
 
 FEWEST_AROUND = 24
 """Least rows on each side of a sudden change, for four smooth columns and the change."""
@@ -293,21 +291,15 @@ def _best_change(y_um: Floats, groups: Sequence[_Group], t_s: Floats, predicted_
 def _candidates(y_um: Floats, groups: Sequence[_Group], predicted_um: Floats) -> Iterator[int]:
     """Rows of the jump and of the gain step that lower the sum of squares most, (H e)^2 / (H P H) each.
 
-    H: the part of 1, or of yhat, from a row on; e: what the groups leave; P: the projector off their columns. No row
-    within a block of either end, or of another change.
+    No row within a block of either end, or of another change (`falls_from_each_row`).
     """
     error, n = _left(y_um, groups), y_um.size
     columns = np.concatenate([group.columns for group in groups]) if groups else np.zeros((0, n))
     lengths = np.linalg.norm(columns, axis=1, keepdims=True) + 1e-300
     basis = np.linalg.qr((columns / lengths).T)[0].T if len(columns) else columns
-    least = n // BLOCKS + 1
-    barred = [0, n, *(group.at for group in groups if group.at is not None)]
+    barred = [group.at for group in groups if group.at is not None]
     for direction in (np.ones(n), predicted_um - predicted_um.mean()):
-        shown = _from_each_on(direction * error)
-        free = _from_each_on(direction**2) - np.sum(_from_each_on(direction * basis) ** 2, axis=0)
-        falls = shown**2 / np.maximum(free, 1e-3 * free.max() + 1e-300)
-        for place in barred:
-            falls[max(place - least, 0) : place + least] = -1.0
+        falls = falls_from_each_row(direction, error, basis, barred, 1e-3)
         if falls.max() > 0.0:
             yield int(np.argmax(falls))
 
@@ -325,20 +317,7 @@ def _at_once(y_um: Floats, groups: Sequence[_Group], at: int, predicted_um: Floa
     half = int(min(8.0 * (6.0 * noise_um / size_um) ** 2 + FEWEST_AROUND, most))
     near = slice(max(at - half, 0), at + half)
     effect, found = change[near], error[near] + change[near]
-    along = np.linspace(-1.0, 1.0, effect.size)
     moved = predicted_um[near] - predicted_um[near].mean()
-    smooth = np.stack([np.ones(effect.size), along, moved, moved**2], axis=1)
-    smooth = smooth / (np.linalg.norm(smooth, axis=0) + 1e-300)
-    both = np.linalg.lstsq(smooth, np.stack([effect, found], axis=1), rcond=None)[0]
-    effect, found = effect - smooth @ both[:, 0], found - smooth @ both[:, 1]
-    power = float(effect @ effect) + 1e-300
-    share = float(effect @ found) / power
-    left = found - share * effect
-    level = max(float(left @ left), left.size * noise_um**2)
-    likelihood = left.size * math.log1p(share**2 * power / level)
-    return abs(share - 1.0) <= LEAST_SHARE and likelihood > 2.0 * math.log(n) + UNLIKELY + LEAST_EVIDENCE
-
-
-def _from_each_on(values: Floats) -> Floats:
-    """Sums of the last axis from each place to the end."""
-    return np.asarray(np.cumsum(values[..., ::-1], axis=-1)[..., ::-1])
+    smooth = np.stack([np.ones(effect.size), np.linspace(-1.0, 1.0, effect.size), moved, moved**2])
+    likelihood = Near.of(effect, found, smooth).evidence(noise_um)
+    return likelihood > 2.0 * math.log(n) + UNLIKELY + LEAST_EVIDENCE

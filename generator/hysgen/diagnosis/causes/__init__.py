@@ -11,14 +11,13 @@ import importlib
 import pkgutil
 from collections.abc import Iterable, Mapping
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
 from hysgen.diagnosis.probe import Chain
 
 __all__ = [
     "VOCABULARY",
     "Cause",
     "Estimate",
-    "Known",
     "Residual",
     "Signature",
     "causes",

@@ -90,22 +90,6 @@ class Signature:
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
-    """Data for an extension of a known plant: its parameters by "cause.parameter", and ranges of the record.
-
-    low_V, high_V: range of the voltage across the ceramic. span_s: length of the record. lag_s: of the stage.
-    channels: (n,) each.
-    """
-
-    parameters: Mapping[str, float]
-    low_V: float
-    high_V: float
-    span_s: float
-    lag_s: float
-    channels: Mapping[str, Floats]
-
-
-@dataclass(frozen=True, eq=False)
 class Effect:
     """The effect of a cause beside a chain without it, for what a record can tell (`identifiability`).
 
@@ -230,8 +214,4 @@ class Cause(abc.ABC):
 
     def effect(self, residual: Residual) -> Effect | None:
         """The effect of the cause per unit of its amount beside a chain without it; None if it is not excited."""
-        return None
-
-    def true_extension(self, known: Known) -> Extension | None:
-        """The extension with the true parameters of the plant; None if it changes the record and not the model."""
         return None

@@ -7,8 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
-from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.probe import Chain, Fit, standard_errors
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.record.excitation import Excitation
@@ -82,10 +81,6 @@ class CouplingCause(Cause):
                 for name, gain, error in zip(part.channels, gains, gain_errors, strict=True)
             },
         )
-
-    def true_extension(self, known: Known) -> Extension:
-        ranges = {name: (float(values.min()), float(values.max())) for name, values in known.channels.items()}
-        return Extension(term=Coupling.of(ranges))
 
 
 def _moves(residual: Residual, name: str) -> bool:

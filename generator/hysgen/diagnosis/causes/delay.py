@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
-from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, standard_errors
 from hysgen.model.path.delay import LEAST_FITTED, MOST_FITTED, Delay
 from hysgen.record.excitation import Excitation
@@ -51,9 +50,6 @@ class DelayCause(Cause):
             text=f"phase grows with frequency at constant gain: {late:.2f} +- {error:.2f} samples late",
             parameters={"delay_samples": Estimate(late, error)},
         )
-
-    def true_extension(self, known: Known) -> Extension:
-        return Extension(block=Delay(known.parameters["delay.delay_samples"]), lag_s=known.lag_s)
 
 
 CAUSE = DelayCause()

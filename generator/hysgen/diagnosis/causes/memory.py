@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
@@ -83,9 +83,6 @@ class MemoryCause(Cause):
 
     def forms(self, extension: Extension) -> list[Extension]:
         return [dataclasses.replace(extension, size=size) for size in SIZES]
-
-    def true_extension(self, known: Known) -> Extension:
-        return Extension(size=PathSize(), lag_s=known.lag_s)
 
     def extension(self, residual: Residual) -> Extension:
         return Extension(size=PathSize(), lag_s=residual.fit.chain.lag_s)

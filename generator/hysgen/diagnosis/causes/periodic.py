@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import rfft
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
-from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
 from hysgen.display import decimal
 from hysgen.model.disturbances.periodic import FEWEST_PERIODS, Periodic, same_phase
@@ -70,9 +69,6 @@ class PeriodicCause(Cause):
         least, steady = min(ratio for _, ratio, _ in evidence), all(keeps for _, _, keeps in evidence)
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(float(np.sqrt(least)), "; ".join(texts), parameters)
-
-    def true_extension(self, known: Known) -> Extension:
-        return Extension(term=Periodic((known.parameters["periodic.f_Hz"],)))
 
 
 @functools.lru_cache(maxsize=8)

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -177,10 +177,6 @@ class ResonanceCause(Cause):
             return super().extension(residual)
         block, term = structure_parts(part.form, {name: residual.scene.range_of(name) for name in part.channels})
         return Extension(block=block, term=term, lag_s=block.lag_s)
-
-    def true_extension(self, known: Known) -> Extension:
-        mode = Mode(*(known.parameters[f"resonance.{item.field}"] for item in MODE))
-        return Extension(block=Modes.of([mode], known.lag_s), lag_s=known.lag_s)
 
 
 def _structure(scene: Scene, modes: int) -> StructurePart | None:

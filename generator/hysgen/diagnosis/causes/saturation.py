@@ -13,11 +13,9 @@ from hysgen.diagnosis.causes.base import (
     Cause,
     Effect,
     Estimate,
-    Known,
     Residual,
     Signature,
 )
-from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
 from hysgen.model.path.saturation import Saturation
 from hysgen.record.excitation import Excitation
@@ -152,12 +150,6 @@ class SaturationCause(Cause):
             z=float(min((1.0 - abs(one.value)) / 0.1 for one in slopes)),
             text="; ".join(texts),
             parameters=parameters,
-        )
-
-    def true_extension(self, known: Known) -> Extension:
-        return Extension(
-            block=Saturation(known.parameters["saturation.low_V"], known.parameters["saturation.high_V"]),
-            lag_s=known.lag_s,
         )
 
 

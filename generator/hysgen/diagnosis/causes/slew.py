@@ -11,13 +11,11 @@ from hysgen.diagnosis.causes.base import (
     Cause,
     Effect,
     Estimate,
-    Known,
     Residual,
     Signature,
     limited_rows,
 )
 from hysgen.diagnosis.experiment import Piece
-from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.path.slew import Slew
 from hysgen.record.excitation import Excitation
@@ -70,10 +68,6 @@ class SlewCause(Cause):
             f"at any level ({held} samples held back)",
             parameters={"rate_V_per_s": Estimate(rate, error)},
         )
-
-    def true_extension(self, known: Known) -> Extension:
-        rate = known.parameters["slew.rate_V_per_s"]
-        return Extension(block=Slew(rate, rate), lag_s=known.lag_s)
 
 
 CAUSE = SlewCause()

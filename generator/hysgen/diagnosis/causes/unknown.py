@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
+from hysgen.model.sudden import LEAST_SHARE, Near, falls_from_each_row
 from hysgen.record.series import BLOCKS, residual_noise
 
 Floats = NDArray[np.float64]
@@ -33,10 +34,6 @@ LOCATION_ORDER = 2.0
 
 LISTED = 4
 """Number of changes that the evidence lists."""
-
-LEAST_AT_ONCE = 0.5
-"""Least share of a change that shows within a 40th of the rows around its time, beside a line; a course that takes the
-whole record shows none of itself there."""
 
 CLEARLY = 3.0
 """Standard errors of a change in the rows around it: in noise the largest of BLOCKS places has 2.5."""
@@ -240,27 +237,6 @@ def _jump_sizes_um(scene: Scene, fit: Fit) -> list[float]:
     return [float(size_um) for size_um in fit.weights[first : first + fit.chain.of(SuddenPart).added]]
 
 
-@dataclass(frozen=True)
-class _Near:
-    """A change in the few rows around it.
-
-    share: of the change of the whole fit. power_um2: sum of squares of what is no line; left_um2: that of what the
-    change leaves there, on `count` rows.
-    """
-
-    share: float
-    power_um2: float
-    left_um2: float
-    count: int
-
-    def evidence(self, noise_um: float) -> float:
-        """2 ln of the likelihood ratio for the change by these rows alone; 0 where its size is not that of the fit."""
-        if abs(self.share - 1.0) > LEAST_AT_ONCE:
-            return 0.0
-        left_um2 = max(self.left_um2, self.count * noise_um**2)
-        return self.count * math.log1p(self.share**2 * self.power_um2 / left_um2)
-
-
 @dataclass(frozen=True, eq=False)
 class _Rows:
     """The fitted rows in the order of time: (r,) rows, t_s, u_V. noise_um: of the residual; span_s: of the record."""
@@ -279,13 +255,13 @@ class _Rows:
         return cls(rows, scene.time_s[rows], u_V[rows], residual_noise(error[scene.dense]), scene.span_s)
 
     def at_once(self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0) -> bool:
-        """Whether at least LEAST_AT_ONCE of a change, and CLEARLY standard errors, show in the rows around it."""
+        """Whether at least LEAST_SHARE of a change, and CLEARLY standard errors, show in the rows around it."""
         near = self.near(error, at_s, effect, lag_s)
-        return near.share > max(LEAST_AT_ONCE, CLEARLY * self.noise_um / math.sqrt(near.power_um2))
+        return near.share > max(LEAST_SHARE, CLEARLY * self.noise_um / math.sqrt(near.power_um2))
 
     def near(
         self, error: Floats, at_s: float, effect: Floats, lag_s: float = 0.0, fitted_um: Floats | None = None
-    ) -> _Near:
+    ) -> Near:
         """The change in the rows around it, by least squares of the residual without the change.
 
         On a straight line in time, the command, and the change; over as few rows as show the change with twice CLEARLY
@@ -305,11 +281,7 @@ class _Rows:
         change = effect[near] * (-np.expm1(-begun_s / lag_s) if lag_s else since_s >= 0.0)
         moving = [] if fitted_um is None else [fitted_um[near] - change]
         smooth = np.vstack([np.ones(len(change)), since_s, self.u_V[near], *moving])
-        own = change - np.linalg.lstsq(smooth.T, change, rcond=None)[0] @ smooth
-        power = float(own @ own) + 1e-300
-        share = float(own @ found) / power
-        left = found - np.linalg.lstsq(smooth.T, found, rcond=None)[0] @ smooth - share * own
-        return _Near(share, power, float(left @ left), len(left))
+        return Near.of(change, found, smooth)
 
 
 @dataclass(frozen=True, eq=False)
@@ -341,18 +313,15 @@ class _Changes:
         errors are judged by blocks of this length. None if there is no such place.
         """
         t_s = self.at.t_s
-        projected = _from_each_on(self.direction * self.error)
-        left = _from_each_on(self.direction**2) - np.sum(_from_each_on(self.direction * self.basis) ** 2, axis=0)
-        least = len(t_s) // BLOCKS + 1
-        falls = projected**2 / np.maximum(left, 1e-9 * left.max())
-        for at in (0, len(t_s), *np.searchsorted(t_s, taken_s)):
-            falls[max(at - least, 0) : at + least] = -1.0
+        falls = falls_from_each_row(
+            self.direction, self.error, self.basis, np.searchsorted(t_s, taken_s).tolist(), 1e-9
+        )
         at = int(np.argmax(falls))
         if falls[at] <= 0.0:
             return None
         cut = self.direction * (np.arange(len(t_s)) >= at)
         cut = cut - (self.basis @ cut) @ self.basis
-        return 0.5 * float(t_s[at - 1] + t_s[at]), float(projected[at] / (cut @ cut)), cut
+        return 0.5 * float(t_s[at - 1] + t_s[at]), float(cut @ self.error / (cut @ cut)), cut
 
 
 def _jumps_s(changes: _Changes, taken_s: Sequence[float]) -> Iterator[float]:
@@ -369,11 +338,6 @@ def _jumps_s(changes: _Changes, taken_s: Sequence[float]) -> Iterator[float]:
         yield at_s
         times_s.append(at_s)
         changes = dataclasses.replace(changes, error=left, basis=np.vstack([changes.basis, cut / np.sqrt(cut @ cut)]))
-
-
-def _from_each_on(values: Floats) -> Floats:
-    """Sums of the last axis from each place to the end."""
-    return np.asarray(np.cumsum(values[..., ::-1], axis=-1)[..., ::-1])
 
 
 CAUSE = UnknownCause()

@@ -7,12 +7,23 @@ only take out of a record. The fit finds the linear parameters.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
 
-from hysgen.diagnosis.causes import Known, causes
+from hysgen.diagnosis.causes import causes
+from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.evaluation import Extension, free_run_error, prepare
 from hysgen.diagnosis.probe import rms
+from hysgen.fitting import PathSize
+from hysgen.model.chain_part import Mode
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.path import InputBlock
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
 from hysgen_lab.studies.bank.scenario import Scenario
 
 
@@ -33,10 +44,44 @@ def true_extensions(hidden: Scenario) -> dict[str, Extension]:
 def _extensions(hidden: Scenario) -> dict[str, Extension | None]:
     """The extension of every planted cause; None where the diagnosis treats the record instead of the model."""
     parameters: dict[str, float] = {}
-    low_V, high_V = float(hidden.u_V.min()), float(hidden.u_V.max())
     for effect in hidden.stage.effects:
         parameters |= effect.true_parameters()
-        low_V, high_V = effect.passes_V(low_V, high_V)
     channels = {name: np.asarray(hidden.aux[name]) for name in hidden.stage.channels}
-    known = Known(parameters, low_V, high_V, hidden.Ts_s * len(hidden.u_V), hidden.stage.lag_s, channels)
-    return {name: cause.true_extension(known) for name, cause in causes().items() if name in hidden.planted}
+    ranges = {name: (float(values.min()), float(values.max())) for name, values in channels.items()}
+    span_s, lag_s = hidden.Ts_s * len(hidden.u_V), hidden.stage.lag_s
+    return {
+        name: true_extension(name, parameters, ranges, span_s, lag_s) for name in causes() if name in hidden.planted
+    }
+
+
+def true_extension(
+    cause: str, parameters: Mapping[str, float], ranges: Mapping[str, tuple[float, float]], span_s: float, lag_s: float
+) -> Extension | None:
+    """The extension with the true parameters of a plant, by "cause.parameter"; None if it changes the record alone.
+
+    ranges: of the channels that act. span_s: length of the record. lag_s: of the stage.
+    """
+
+    def own(*names: str) -> list[float]:
+        return [parameters[f"{cause}.{name}"] for name in names]
+
+    match cause:
+        case "memory":
+            return Extension(size=PathSize(), lag_s=lag_s)
+        case "coupling":
+            return Extension(term=Coupling.of(ranges))
+        case "periodic":
+            return Extension(term=Periodic(tuple(own("f_Hz"))))
+        case "resonance":
+            part: InputBlock = Modes.of([Mode(*own("f_Hz", "zeta", "share"))], lag_s)
+        case "creep":
+            part = CreepPart(*own("per_decade", "from_s")).slow_states(span_s, PER_DECADE)
+        case "delay":
+            part = Delay(*own("delay_samples"))
+        case "slew":
+            part = Slew(*own("rate_V_per_s", "rate_V_per_s"))
+        case "saturation":
+            part = Saturation(*own("low_V", "high_V"))
+        case _:
+            return None
+    return Extension(block=part, lag_s=lag_s)
