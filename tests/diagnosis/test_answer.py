@@ -21,6 +21,7 @@ from hysgen.diagnosis.evaluation import evaluate
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
+from hysgen.fitting.refit import compare
 from hysgen.record import Record
 
 
@@ -47,6 +48,14 @@ def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tup
     assert [term.kind for term in found.model.terms] == ["periodic"]
     # What is left of the power above the noise and the shares of the causes are one whole.
     assert sum(cause.share for cause in found.causes) + found.unexplained_fraction == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_width_of_the_loop_is_that_which_diff_prints(hum: tuple[Record, Diagnosis]) -> None:
+    memory, model = hum[1].causes[0], hum[1].model
+    printed = {change.what: change.new for change in compare(model, model).changes}
+    f_Hz = memory.parameters["loop_Hz"].value
+    assert memory.parameters["loop_um"].value == printed[f"loop width at {f_Hz:.3g} Hz, mean"]
+    assert f"under {f_Hz:.3g} Hz" in memory.evidence
 
 
 def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(

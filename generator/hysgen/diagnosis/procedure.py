@@ -337,12 +337,14 @@ def _scored(
         j = i + (name in made)
         step = gain(own_um[i][clean], own_um[j][clean])
         step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
+        signature = naming.signatures[name]
+        signature = causes()[name].seen_in(signature, running[-1]) if name in made else signature
         named.append(
             NamedCause(
                 name=name,
-                parameters=naming.signatures[name].parameters,
-                evidence=naming.signatures[name].text,
-                statistic=naming.signatures[name].z,
+                parameters=signature.parameters,
+                evidence=signature.text,
+                statistic=signature.z,
                 step=step,
                 alone=alone.get(name),
                 cold_um=(cold[i], cold[j]),

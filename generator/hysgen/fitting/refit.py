@@ -240,7 +240,7 @@ def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, flo
     """(property, unit, value): gain and time constant at mid-range, y at the ends, loops, sums of weights."""
     low_V, high_V = model.u_min_V, model.u_max_V
     states = steady_states(model, np.linspace(low_V, high_V, LEVELS))
-    middle, amplitude_V = states[LEVELS // 2], 0.45 * (high_V - low_V)
+    middle = states[LEVELS // 2]
     found = [
         ("DC gain, mid-range", "um/V", middle.gain_um_per_V),
         ("time constant, mid-range", "ms", 1e3 * (middle.tau_s or 0.0)),
@@ -248,16 +248,23 @@ def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, flo
         ("at rest at the highest input", "um", states[-1].y_um),
     ]
     for f_Hz in loops_Hz:
-        closed = loop(model, f_Hz, 0.5 * (low_V + high_V), amplitude_V)
-        # The area is the integral of the opening over the input's 2 A.
-        found.append((f"loop width at {f_Hz:.3g} Hz, mean", "um", closed.area_umV / (2.0 * amplitude_V)))
-        found.append((f"gain at {f_Hz:.3g} Hz", "um/V", closed.span_um / (2.0 * amplitude_V)))
+        width_um, gain_um_per_V = loop_width(model, f_Hz)
+        found.append((f"loop width at {f_Hz:.3g} Hz, mean", "um", width_um))
+        found.append((f"gain at {f_Hz:.3g} Hz", "um/V", gain_um_per_V))
     start = 0
     for term in model.terms:
         weights = model.weights[start : start + term.size]
         start += term.size
         found.append((f"{term.kind}: sum of its {term.size} weights", "", float(weights.sum())))
     return found
+
+
+def loop_width(model: Model, f_Hz: float) -> tuple[float, float]:
+    """Mean width in um of the loop under a sine of f_Hz over 90 % of the input range, and its gain in um/V."""
+    width_V = 0.9 * (model.u_max_V - model.u_min_V)
+    closed = loop(model, f_Hz, 0.5 * (model.u_min_V + model.u_max_V), 0.5 * width_V)
+    # The area is the integral of the opening over the range of the sine.
+    return closed.area_umV / width_V, closed.span_um / width_V
 
 
 def loop_frequencies(model: Model) -> list[float]:

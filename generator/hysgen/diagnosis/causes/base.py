@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
 from hysgen.model.disturbances import Term
+from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.record.excitation import Excitation
 
@@ -198,6 +199,10 @@ class Cause(abc.ABC):
     @abc.abstractmethod
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Evidence for the named cause. residual: of the final fit; rival: the fit without the cause."""
+
+    def seen_in(self, signature: Signature, model: Model) -> Signature:
+        """The signature with what the model that is extended by the cause shows of it; by default as it is."""
+        return signature
 
     def extension(self, residual: Residual) -> Extension:
         """The extension of the model, with the shape parameters of the final fit; by default the part of the chain."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,9 @@ from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.fitting.operator import PathSize
+from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels import play_operators
+from hysgen.model.model import Model
 from hysgen.record.excitation import Excitation
 from hysgen.record.series import turning_rows
 
@@ -73,13 +76,15 @@ class MemoryCause(Cause):
         counted = size >= FEWEST
         tosses, wins = int(counted.sum()), int(better[counted].sum())
         z = (2.0 * wins - tosses) / np.sqrt(max(tosses, 1))
-        loop_um = _opening(residual, rival)
-        return Signature(
-            z=float(z),
-            text=f"past extremes explain {wins} of {tosses} swings better than dynamics do; "
-            f"at the same input the way up and the way down differ by {1e3 * loop_um:.3g} nm",
-            parameters={"loop_um": Estimate(loop_um, loop_um / max(float(z), 1.0))},
-        )
+        return Signature(float(z), f"past extremes explain {wins} of {tosses} swings better than dynamics do")
+
+    def seen_in(self, signature: Signature, model: Model) -> Signature:
+        """The width of the model's loop at the slow frequency at which `hysgen diff` compares loops."""
+        f_Hz = loop_frequencies(model)[0]
+        width_um, _ = loop_width(model, f_Hz)
+        words = f"under {f_Hz:.3g} Hz the way up and the way down differ by {1e3 * width_um:.3g} nm on average"
+        parameters = {"loop_um": Estimate(width_um, math.nan), "loop_Hz": Estimate(f_Hz, math.nan)}
+        return Signature(signature.z, f"{signature.text}; {words}", parameters)
 
     def forms(self, extension: Extension) -> list[Extension]:
         return [dataclasses.replace(extension, size=size) for size in SIZES]
@@ -92,16 +97,6 @@ def swings(u_V: Floats) -> NDArray[np.int64]:
     """(n,) number of the swing of each sample; a plateau belongs to the swing before it, or is the first swing."""
     moves = np.flatnonzero(np.diff(u_V))
     return np.searchsorted(np.append(moves[:1], turning_rows(u_V, 0.0)), np.arange(len(u_V))).astype(np.int64)
-
-
-def _opening(residual: Residual, rival: Fit) -> float:
-    """Mean height in um of the loop in the residual of a model without memory, by regression on z(u) - u of a play."""
-    scene = residual.scene
-    half = 0.5 * (scene.operator.high_V - scene.operator.low_V)
-    slack = _slack(residual)[scene.rows]
-    error = rival.error[scene.rows]
-    slack = slack - slack.mean()
-    return 2.0 * WITNESS * half * abs(float(slack @ error)) / (float(slack @ slack) + 1e-300)
 
 
 def _slack(residual: Residual) -> Floats:
