@@ -70,6 +70,14 @@ def test_a_line_with_a_changing_phase_is_not_periodic() -> None:
     assert "phase not kept" in result.text
 
 
+@pytest.mark.parametrize(("share", "unknown"), [(0.003, True), (0.05, False)])
+def test_a_drift_whose_law_is_at_its_bound_is_said_to_go_on_as_nobody_knows(share: float, unknown: bool) -> None:
+    """The log from the bound on and an exponential beside a ramp explain the rows equally; later they differ."""
+    law = LAG.having(DriftPart(share * SPAN_S))
+    text = evidence("drift", scene(LAG, 0.03 * trend_course(T_S, share * SPAN_S)), law).text
+    assert ("the rows do not say how it goes on" in text) == unknown
+
+
 @pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
 def test_a_proposed_line_has_at_least_three_periods_in_each_quarter(periods: float, proposed: bool) -> None:
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))

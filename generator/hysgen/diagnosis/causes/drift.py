@@ -37,6 +37,9 @@ Floats = NDArray[np.float64]
 SOONEST = 0.003
 """Least time before the record, as a share of it, at which a drift that slows down may have begun."""
 
+AT_BOUND = 1.05
+"""Ratio of the time of the move to its least value below which the fit has ended at that bound."""
+
 SINCE = (0.01, 0.05, 0.25)
 """Starting values of the time between the start of a drift that slows down and the record, as shares of the record."""
 
@@ -171,6 +174,8 @@ class DriftCause(Cause):
                 f"{size.format('per decade of time')} whatever the input does {alike}, "
                 f"slowing down like the creep of a move {drift.since_s:.2g} s before the record"
             )
+            if drift.since_s < AT_BOUND * SOONEST * scene.span_s:
+                text += "; earlier moves fit as well, so that the rows do not say how it goes on"
             parameters = {
                 "um_per_decade": Estimate(drift.size_um, error),
                 "since_s": Estimate(drift.since_s, math.nan),
