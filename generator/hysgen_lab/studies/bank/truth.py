@@ -7,23 +7,13 @@ only take out of a record. The fit finds the linear parameters.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 
 import numpy as np
 
 from hysgen.diagnosis.causes import causes
-from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.evaluation import Extension, free_run_error, prepare
+from hysgen.diagnosis.known_plant import true_extension
 from hysgen.diagnosis.probe import rms
-from hysgen.fitting import PathSize
-from hysgen.model.chain_part import Mode
-from hysgen.model.disturbances.coupling import Coupling
-from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.path import InputBlock
-from hysgen.model.path.delay import Delay
-from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen_lab.studies.bank.scenario import Scenario
 
 
@@ -52,36 +42,3 @@ def _extensions(hidden: Scenario) -> dict[str, Extension | None]:
     return {
         name: true_extension(name, parameters, ranges, span_s, lag_s) for name in causes() if name in hidden.planted
     }
-
-
-def true_extension(
-    cause: str, parameters: Mapping[str, float], ranges: Mapping[str, tuple[float, float]], span_s: float, lag_s: float
-) -> Extension | None:
-    """The extension with the true parameters of a plant, by "cause.parameter"; None if it changes the record alone.
-
-    ranges: of the channels that act. span_s: length of the record. lag_s: of the stage.
-    """
-
-    def own(*names: str) -> list[float]:
-        return [parameters[f"{cause}.{name}"] for name in names]
-
-    match cause:
-        case "memory":
-            return Extension(size=PathSize(), lag_s=lag_s)
-        case "coupling":
-            return Extension(term=Coupling.of(ranges))
-        case "periodic":
-            return Extension(term=Periodic(tuple(own("f_Hz"))))
-        case "resonance":
-            part: InputBlock = Modes.of([Mode(*own("f_Hz", "zeta", "share"))], lag_s)
-        case "creep":
-            part = CreepPart(*own("per_decade", "from_s")).slow_states(span_s, PER_DECADE)
-        case "delay":
-            part = Delay(*own("delay_samples"))
-        case "slew":
-            part = Slew(*own("rate_V_per_s", "rate_V_per_s"))
-        case "saturation":
-            part = Saturation(*own("low_V", "high_V"))
-        case _:
-            return None
-    return Extension(block=part, lag_s=lag_s)
