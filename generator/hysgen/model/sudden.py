@@ -34,7 +34,7 @@ def falls_from_each_row(effect: Floats, error: Floats, basis: Floats, barred: It
     falls = from_each_row(effect * error) ** 2 / np.maximum(free, least * free.max() + 1e-300)
     for row in (0, n, *barred):
         falls[max(row - n // BLOCKS - 1, 0) : row + n // BLOCKS + 1] = -1.0
-    return falls
+    return np.asarray(falls)
 
 
 def from_each_row(values: Floats) -> Floats:
