@@ -33,7 +33,7 @@ def true_extension(
         "coupling": lambda: Coupling.of(ranges),
         "periodic": lambda: Periodic(tuple(own("f_Hz"))),
         "resonance": lambda: Modes.of([Mode(*own("f_Hz", "zeta", "share"))], lag_s),
-        "creep": lambda: CreepPart(*own("per_decade", "from_s")).slow_states(span_s, PER_DECADE),
+        "creep": lambda: CreepPart(own("per_decade")[0], own("from_s")[0]).slow_states(span_s, PER_DECADE),
         "delay": lambda: Delay(*own("delay_samples")),
         "slew": lambda: Slew(*own("rate_V_per_s", "rate_V_per_s")),
         "saturation": lambda: Saturation(*own("low_V", "high_V")),

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Known, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
