@@ -200,9 +200,5 @@ class CreepCause(Cause):
         blocks = [dataclasses.replace(extension.block, tau_s=tau_s[:count]) for count in counts]
         return [dataclasses.replace(extension, block=block) for block in blocks]
 
-    def true_extension(self, known: Known) -> Extension:
-        part = CreepPart(known.parameters["creep.per_decade"], known.parameters["creep.from_s"])
-        return Extension(block=part.slow_states(known.span_s, PER_DECADE), lag_s=known.lag_s)
-
 
 CAUSE = CreepCause()
