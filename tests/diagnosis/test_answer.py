@@ -53,9 +53,8 @@ def test_ladder_begins_at_the_papers_model_and_ends_at_the_extended_one(hum: tup
 def test_the_width_of_the_loop_is_that_which_diff_prints(hum: tuple[Record, Diagnosis]) -> None:
     memory, model = hum[1].causes[0], hum[1].model
     printed = {change.what: change.new for change in compare(model, model).changes}
-    f_Hz = memory.parameters["loop_Hz"].value
-    assert memory.parameters["loop_um"].value == printed[f"loop width at {f_Hz:.3g} Hz, mean"]
-    assert f"under {f_Hz:.3g} Hz" in memory.evidence
+    at = f"loop width at {memory.parameters['loop_Hz'].value:.3g} Hz, mean"
+    assert memory.parameters["loop_um"].value == printed[at]
 
 
 def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(

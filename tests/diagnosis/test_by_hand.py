@@ -58,8 +58,7 @@ def test_true_parameters_of_a_plant_make_its_extensions() -> None:
     term = true_extension("coupling", *known)
     assert term is not None
     assert (term.term.low, term.term.high) == ((-2.0,), (4.0,))  # type: ignore[union-attr]
-    memory = true_extension("memory", *known)
-    assert memory is not None
+    assert (memory := true_extension("memory", *known)) is not None
     assert (memory.size, memory.lag_s) == (PathSize(), 3e-3)
     assert true_extension("drift", *known) is None
 
