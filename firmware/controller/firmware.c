@@ -195,7 +195,7 @@ static uint8_t firmware_table(firmware_t *self, const uint8_t *data, uint32_t co
             for (uint32_t i = 0u; i < length; ++i) {
                 const uint8_t *at = &data[4u + 2u * i];
 
-                play->words[place + i] = (uint16_t)((uint32_t)at[0] | ((uint32_t)at[1] << 8));
+                play->words[(place + i) & (BOARD_RECORD - 1u)] = (uint16_t)((uint32_t)at[0] | ((uint32_t)at[1] << 8));
             }
             play->loaded = place + length;
             code = LINK_DONE;
