@@ -22,6 +22,8 @@ from hysgen.api.models import inspect as inspect
 from hysgen.api.models import refit as refit
 from hysgen.api.models import rivals as rivals
 from hysgen.api.models import score as score
+from hysgen.api.models import simulate as simulate
+from hysgen.api.models import waveform as waveform
 from hysgen.checking.bits.report import Report as Report
 from hysgen.checking.cost import Cost as Cost
 from hysgen.codegen import Options as Options
@@ -39,6 +41,8 @@ from hysgen.record import Columns as Columns
 from hysgen.record import Record as Record
 from hysgen.record import load_record as load_record
 from hysgen.record.bundled import demo_record as demo_record
+from hysgen.trajectory.plan import Waveform as Waveform
+from hysgen.trajectory.reference import Form as Form
 
 __version__: str
 __all__: list[str]

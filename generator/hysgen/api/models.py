@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
@@ -25,8 +29,15 @@ from hysgen.model.scores import Score, Scores, score_identification, score_predi
 from hysgen.model.scores import score as score_model
 from hysgen.model.simulate import free_run
 from hysgen.record import Record, check_for_fit
-from hysgen.record.columns import nearest
+from hysgen.record.columns import Columns, nearest
 from hysgen.record.read import record_of
+from hysgen.record.runs import columns_of
+from hysgen.record.segment import Segment
+from hysgen.trajectory.inverse import own_response
+from hysgen.trajectory.learning import learn
+from hysgen.trajectory.limits import Limits
+from hysgen.trajectory.plan import Waveform, plan
+from hysgen.trajectory.reference import Form, reference_of, series_of
 from hysgen.uncertainty.history import LIMIT_PERCENT, History
 from hysgen.uncertainty.history import history as history_of
 
@@ -132,6 +143,53 @@ def certificates(model: Model) -> Certificates:
 def describe(model: Model) -> Dynamics:
     """A model as a dynamic system: time constant, gain, loop against frequency."""
     return dynamics(model_of(model))
+
+
+def simulate(
+    model: Model | str | Path, voltage: str | os.PathLike[str] | ArrayLike, columns: Columns | str | None = None
+) -> Record:
+    """Voltage and simulated displacement of a model, without its disturbances, from rest under the first voltage.
+
+    voltage: a file with time_s and voltage_V of any rate, or an array at the model's period. A voltage outside the
+    range of the model is limited to it, with a warning. Raises ModelError or RecordError.
+    """
+    stage = own_response(model_of(model))
+    given = series_of(voltage, "voltage", columns_of(columns), stage.Ts_s)
+    u_V = given.values
+    outside = int(np.count_nonzero((u_V < stage.u_min_V) | (u_V > stage.u_max_V)))
+    limited = f"{given.source}: {outside} voltages are outside {stage.u_min_V:g} .. {stage.u_max_V:g} V and limited"
+    warn([*given.remarks, *([limited] if outside else [])])
+    segment = Segment("0", u_V, stage.simulate(u_V), {}, given.start_s)
+    return Record.from_segments([segment], stage.Ts_s, given.source)
+
+
+def waveform(
+    model: Model | str | Path,
+    reference: str | os.PathLike[str] | ArrayLike,
+    form: Form | None = None,
+    *,
+    columns: Columns | str | None = None,
+    voltage_V: Sequence[float] | None = None,
+    slew_V_s: float | None = None,
+    acceleration_V_s2: float | None = None,
+    periodic: bool = False,
+    loop: bool = False,
+    plays: Sequence[Record | str | Path] = (),
+) -> Waveform:
+    """The voltage that takes a stage along a reference: exact, or of least largest error inside the limits.
+
+    reference: a file with time_s and displacement_um of any rate, the name of a form ("sine", see `form`), or an array
+    at the model's period. periodic: one period of the steady state. loop: begin with the whole range of the voltage.
+    plays: records of the repeats so far, oldest first; the waveform is then that of the next repeat.
+    Raises ModelError or RecordError.
+    """
+    model = model_of(model)
+    wanted = reference_of(model, reference, form or Form(), columns_of(columns))
+    low_V, high_V = (model.u_min_V, model.u_max_V) if voltage_V is None else voltage_V
+    limits = Limits(low_V, high_V, slew_V_s, acceleration_V_s2)
+    if plays:
+        return learn(model, wanted, [record_of(play) for play in plays], limits, loop)
+    return plan(model, wanted, limits, periodic, loop)
 
 
 def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:

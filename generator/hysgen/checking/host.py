@@ -19,7 +19,8 @@ from hysgen.machine.kernel_build import compiler_call
 from hysgen.machine.native import INSTALL, Library, Toolchain, build, compiler_version
 from hysgen.machine.threads import in_threads
 from hysgen.model.model import Model
-from hysgen.model.simulate import rest_um, series
+from hysgen.model.simulate import series
+from hysgen.trajectory.inverse import rest_voltage
 
 Words = NDArray[np.uint32]
 
@@ -180,9 +181,6 @@ def versions(chain: Sequence[Toolchain]) -> list[str]:
 
 Floats = NDArray[np.float64]
 
-BISECTIONS = 24
-"""Steps that find a voltage to 1e-7 of the input range."""
-
 
 def inverse(model: Model, reference_um: ArrayLike, y_um: ArrayLike | None = None) -> Floats:
     """Voltage in V, (n - 1,), that takes y(k) to reference(k + 1): Eq. (11) in float32, in the generated C.
@@ -200,16 +198,3 @@ def inverse(model: Model, reference_um: ArrayLike, y_um: ArrayLike | None = None
     instance = host.instance(float(measured[0]), rest_voltage(model, float(measured[0])))
     words = [np.ascontiguousarray(part, dtype=np.float32).view(np.uint32) for part in (measured[:-1], wanted[1:])]
     return host.run("inverse", instance, words)[0].view(np.float32).astype(np.float64)
-
-
-def rest_voltage(model: Model, y_um: float) -> float:
-    """Voltage under which the model rests at y, by bisection; an end of the input range for a y beyond it."""
-    low_V, high_V = model.u_min_V, model.u_max_V
-    rising = rest_um(model, high_V, {}) > rest_um(model, low_V, {})
-    for _ in range(BISECTIONS):
-        middle_V = 0.5 * (low_V + high_V)
-        if (rest_um(model, middle_V, {}) < y_um) == rising:
-            low_V = middle_V
-        else:
-            high_V = middle_V
-    return 0.5 * (low_V + high_V)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 from hysgen.record.checks import SHORTEST
 from hysgen.record.columns import Columns, plain_unit, split_unit
+from hysgen.record.formats.base import FileArrays, Text
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, guessed, has_time
 from hysgen.record.spelling import UnreadableError, is_clock, number, quantity, values_of
@@ -112,6 +113,24 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     table = _with_one_time(source, table, columns.time)
     names = tuple(filter(None, layout.names))
     return CsvTable(names, table, columns, layout.Ts_s, numbers.locate, tuple(remarks), numbers.starts)
+
+
+def table_arrays(source: str, content: Text, columns: Columns) -> FileArrays:
+    """The numeric columns of a text file as arrays by name, whatever they are. Raises RecordError as `read_csv`."""
+    text, padding = text_of(source, content.data)
+    text, export = as_table(source, text)
+    layout = layout_of(source, text, columns)
+    first_row = next((fields for _, fields in layout.rows()), [])
+    use = [
+        at
+        for at, (name, value) in enumerate(zip(layout.names, first_row, strict=False))
+        if name and quantity(value, layout.comma) is not None
+    ]
+    numbers = numbers_of(layout, use)
+    arrays = {layout.names[at]: numbers.values[:, place] for place, at in enumerate(use)}
+    remarks = (*content.remarks, *padding, *export, *layout.remarks, *numbers.remarks)
+    units = {name: layout.units[name] for name in arrays if layout.units.get(name)}
+    return FileArrays(arrays, units, layout.Ts_s, remarks)
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:

@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import Columns, nearest
-from hysgen.record.csv_text import read_csv, write_csv
+from hysgen.record.checks import check_finite
+from hysgen.record.columns import OWN, Columns, nearest
+from hysgen.record.csv_text import read_csv, table_arrays, write_csv
 from hysgen.record.data import Record
-from hysgen.record.formats import Text, open_checked
+from hysgen.record.formats import FileArrays, Text, open_checked
 from hysgen.record.runs import DEFAULT, Content, checked, columns_of, of_file_arrays, runs_of_table
 from hysgen.record.sampling import JITTER
 
@@ -68,6 +72,44 @@ def _repeated(paths: Sequence[Path], records: Sequence[Record]) -> Iterator[str]
         seen.setdefault(record.digest, path)
 
 
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One quantity over time: time_s (n,) rising, values (n,) in V or um, the file, and remarks for the user."""
+
+    time_s: NDArray[np.float64]
+    values: NDArray[np.float64]
+    source: str
+    remarks: tuple[str, ...]
+
+
+def load_series(
+    path: str | os.PathLike[str], role: Literal["voltage", "displacement"], columns: Columns = DEFAULT
+) -> Series:
+    """The voltage or the displacement of a file that need not hold the other, at any rate, in any format of a record.
+
+    Raises RecordError for a file that cannot be read, a number that is not finite, or times that do not rise.
+    """
+    file, other = Path(path), "voltage" if role == "displacement" else "displacement"
+    content = _opened(file)
+    if isinstance(content, Text):
+        content = table_arrays(file.name, content, columns)
+    size = max((array.shape[0] for array in content.arrays.values() if array.ndim), default=0)
+    # The other quantity, under hysgen's own name, so that the readers of records read the file.
+    stand_in = {OWN[other]: np.arange(float(size))} if OWN[other] not in content.arrays else {}
+    read = of_file_arrays(file.name, replace(content, arrays={**content.arrays, **stand_in}), columns)
+    run = read.runs[0]
+    check_finite(run)
+    values = run.y_um if role == "displacement" else run.u_V
+    Ts_s = columns.Ts_s or read.Ts_s
+    if not run.stamps_s.size and Ts_s is None:
+        raise RecordError(f"{file.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
+    time_s = run.stamps_s if run.stamps_s.size else (Ts_s or 0.0) * np.arange(values.size, dtype=np.float64)
+    if values.size < 2 or not (np.diff(time_s) > 0.0).all():
+        row = int(np.argmin(np.diff(time_s))) + 1 if values.size > 1 else 0
+        raise RecordError(f"{file.name}: row {row}: the time does not rise; give two rows or more in the order of time")
+    return Series(time_s, values, file.name, content.remarks)
+
+
 def record_csv(record: Record) -> str:
     """The record as CSV text; `load_record` reads back the same numbers and the same digest.
 
@@ -106,7 +148,7 @@ def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[s
     return Record.from_segments(*checked(path.name, _content(path, columns), jitter, accept, split_at_gaps))
 
 
-def _content(path: Path, columns: Columns) -> Content:
+def _opened(path: Path) -> Text | FileArrays:
     if re.match(r"(https?|ftp):/", str(path)):
         raise RecordError(f"{path}: is an address, not a file; download it first and give its name")
     if path.is_dir():
@@ -119,9 +161,13 @@ def _content(path: Path, columns: Columns) -> Content:
         there = [] if not path.parent.is_dir() else [one.name for one in path.parent.iterdir() if one.exists()]
         raise RecordError(f"{path}: there is no such file{nearest(path.name, there)}; check the name")
     try:
-        content = open_checked(path)
+        return open_checked(path)
     except OSError as fault:
         raise RecordError(f"{path}: cannot be read ({fault.strerror}); check its permissions") from fault
+
+
+def _content(path: Path, columns: Columns) -> Content:
+    content = _opened(path)
     if isinstance(content, Text):
         table = read_csv(path.name, content.data, columns)
         remarks = (*content.remarks, *table.remarks)

@@ -19,6 +19,10 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "score": ("score", "errors of a model: one step, against the horizon, in free run"),
         "describe": ("score", "a model as a dynamic system: time constant, gain, loop, certificates"),
     },
+    "from a trajectory to a voltage": {
+        "simulate": ("waveform", "the displacement of a model under the voltages of a file"),
+        "waveform": ("waveform", "the voltage that takes the stage along a displacement, inside its limits"),
+    },
     "from the model to C": {
         "generate": ("generate", "the C of a model"),
         "export": ("export", "the model for Simulink, FMI, A2L tools, CMake, any C program, a Cortex-M"),

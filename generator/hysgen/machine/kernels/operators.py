@@ -208,6 +208,9 @@ void hysgen_duhem(size_t samples, const double *v, size_t states, const double *
 void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
                        const double *radius, double share, const double *play, size_t states, const double *reach,
                        const double *duhem, double *state, double *out);
+void hysgen_hysteresis_inverse(size_t samples, const double *wanted, size_t terms, const double *curve, size_t plays,
+                               size_t degree, const double *radius, double share, const double *play, size_t states,
+                               const double *reach, const double *duhem, double *state, double *out);
 """
 
 
@@ -320,15 +323,27 @@ def hysteresis_path(series: HysteresisSeries, v: Floats, state: Floats) -> tuple
 
     state: plays z_j, Duhem states d_i, and the input before the first sample, (m + s + 1,).
     """
+    return _along("hysgen_hysteresis", series, v, state)
+
+
+def hysteresis_inverse(series: HysteresisSeries, wanted: Floats, state: Floats) -> tuple[Floats, Floats]:
+    """The input v(k) in -1 .. 1, (n,), along which h(k) is `wanted`, and the state after the last sample.
+
+    Where no v(k) gives the wanted h(k), the end of -1 .. 1 that comes nearer. h must rise or fall with v.
+    """
+    return _along("hysgen_hysteresis_inverse", series, wanted, state)
+
+
+def _along(function: str, series: HysteresisSeries, values: Floats, state: Floats) -> tuple[Floats, Floats]:
     library = kernel("preisach.c", _PREISACH)
-    after, out = np.array(state, dtype=np.float64), np.empty(v.size)
+    after, out = np.array(state, dtype=np.float64), np.empty(values.size)
     arrays = (series.curve, series.half_width, series.plays, series.reach, series.duhem)
     curve, half_width, plays, reach, duhem = (np.ascontiguousarray(x, dtype=np.float64) for x in arrays)
     call(
         library,
-        "hysgen_hysteresis",
-        v.size,
-        np.ascontiguousarray(v, dtype=np.float64),
+        function,
+        values.size,
+        np.ascontiguousarray(values, dtype=np.float64),
         curve.size,
         curve,
         half_width.size,

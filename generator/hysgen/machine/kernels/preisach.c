@@ -231,47 +231,95 @@ void hysgen_duhem(size_t samples, const double *v, size_t states, const double *
     }
 }
 
-/* out[k] = h of one path: curve and plays as Chebyshev series, Duhem states with b d + c d |d|.
+/* Curve and plays as Chebyshev series, and Duhem states with b d + c d |d|:
  *
  *     h = sum_m curve[m] T_m(v) + sum_j sum_p play[j][p] T_(p+1)(z_j) + sum_i (duhem[2 i] d_i + duhem[2 i + 1] d_i |d_i|)
  *
- * state: z_j, then d_i, then the input before the first sample; on return those of the last sample. share > 0: every
- * play relaxes after each sample (`relaxed`).
+ * share > 0: every play relaxes after each sample (`relaxed`).
  */
+typedef struct {
+    size_t terms, plays, degree, states;
+    double share;
+    const double *curve, *radius, *play, *reach, *duhem;
+} operator_t;
+
+/* h at the input v after `state`: z_j, then d_i, then the last input. moves: whether the state goes on to v. */
+INLINE double operator_at(const operator_t *self, double v, double *state, int moves)
+{
+    double *z = state, *d = state + self->plays, *last = d + self->states;
+    double before = 1.0, now = v, h = self->curve[0];
+    for (size_t m = 1; m < self->terms; m++) {
+        h += self->curve[m] * now;
+        const double next = 2.0 * v * now - before;
+        before = now;
+        now = next;
+    }
+    for (size_t j = 0; j < self->plays; j++) {
+        const double low = v - self->radius[j], high = v + self->radius[j];
+        double place = z[j] > high ? high : z[j];
+        place = place < low ? low : place;
+        before = 1.0;
+        now = place;
+        for (size_t p = 0; p < self->degree; p++) {
+            h += self->play[j * self->degree + p] * now;
+            const double next = 2.0 * place * now - before;
+            before = now;
+            now = next;
+        }
+        if (moves) {
+            z[j] = self->share > 0.0 ? relaxed(place, v, self->radius[j], self->share) : place;
+        }
+    }
+    const double dv = v - *last;
+    for (size_t i = 0; i < self->states; i++) {
+        const double e = exp(-fabs(dv) / self->reach[i]);
+        const double to = e * d[i] + (dv > 0.0 ? 1.0 - e : e - 1.0);
+        h += self->duhem[2 * i] * to + self->duhem[2 * i + 1] * to * fabs(to);
+        d[i] = moves ? to : d[i];
+    }
+    *last = moves ? v : *last;
+    return h;
+}
+
+/* out[k] = h(k) along v; state: before the first sample, on return that of the last. */
 void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
                        const double *radius, double share, const double *play, size_t states, const double *reach,
                        const double *duhem, double *state, double *out)
 {
-    double *z = state, *d = state + plays, *last = d + states;
+    const operator_t self = {terms, plays, degree, states, share, curve, radius, play, reach, duhem};
     for (size_t k = 0; k < samples; k++) {
-        double before = 1.0, now = v[k], h = curve[0];
-        for (size_t m = 1; m < terms; m++) {
-            h += curve[m] * now;
-            const double next = 2.0 * v[k] * now - before;
-            before = now;
-            now = next;
-        }
-        for (size_t j = 0; j < plays; j++) {
-            const double low = v[k] - radius[j], high = v[k] + radius[j];
-            z[j] = z[j] > high ? high : z[j];
-            z[j] = z[j] < low ? low : z[j];
-            before = 1.0;
-            now = z[j];
-            for (size_t p = 0; p < degree; p++) {
-                h += play[j * degree + p] * now;
-                const double next = 2.0 * z[j] * now - before;
-                before = now;
-                now = next;
+        out[k] = operator_at(&self, v[k], state, 1);
+    }
+}
+
+enum { MOST_TRIALS = 60 };
+
+/* out[k] = the v(k) in -1 .. 1 with h(k) = wanted[k], where h rises or falls with v; the nearer end where there is none.
+ * Regula falsi after Anderson and Bjorck, BIT 13 (1973) 253-264, which halves the bracket where it would be slow.
+ */
+void hysgen_hysteresis_inverse(size_t samples, const double *wanted, size_t terms, const double *curve, size_t plays,
+                               size_t degree, const double *radius, double share, const double *play, size_t states,
+                               const double *reach, const double *duhem, double *state, double *out)
+{
+    const operator_t self = {terms, plays, degree, states, share, curve, radius, play, reach, duhem};
+    for (size_t k = 0; k < samples; k++) {
+        double a = -1.0, b = 1.0;
+        double fa = operator_at(&self, a, state, 0) - wanted[k], fb = operator_at(&self, b, state, 0) - wanted[k];
+        double v = fabs(fa) < fabs(fb) ? a : b;
+        for (size_t n = 0; n < MOST_TRIALS && fa * fb < 0.0 && fabs(b - a) > 1e-15; n++) {
+            v = n % 3 == 2 ? 0.5 * (a + b) : b - fb * (b - a) / (fb - fa);
+            const double f = operator_at(&self, v, state, 0) - wanted[k];
+            if (f * fb < 0.0) {
+                a = b;
+                fa = fb;
+            } else {
+                const double slope = 1.0 - f / fb;
+                fa *= slope > 0.0 ? slope : 0.5;
             }
-            z[j] = share > 0.0 ? relaxed(z[j], v[k], radius[j], share) : z[j];
+            b = v;
+            fb = f;
         }
-        const double dv = v[k] - *last;
-        for (size_t i = 0; i < states; i++) {
-            const double e = exp(-fabs(dv) / reach[i]);
-            d[i] = e * d[i] + (dv > 0.0 ? 1.0 - e : e - 1.0);
-            h += duhem[2 * i] * d[i] + duhem[2 * i + 1] * d[i] * fabs(d[i]);
-        }
-        *last = v[k];
-        out[k] = h;
+        out[k] = v;
+        (void)operator_at(&self, v, state, 1);
     }
 }

@@ -29,6 +29,8 @@ from hysgen.model.structs import MirroredStruct
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 Bits = NDArray[np.uint32]
+StateSpace = tuple[Floats, Floats, Floats, float]
+"""A (m, m), B (m,), C (m,) and D of s(k+1) = A s(k) + B x(k), w(k) = C s(k) + D x(k)."""
 
 TOLERANCE: Final = 2.0**-20
 """Tolerance of the inverse of the path, as a share of the range of w: 1e-5 um of 10 um, 20 roundings of w."""
@@ -102,6 +104,10 @@ class InputBlock(ModelPart):
     def zero(self, Ts_s: float) -> float:
         """Largest |eigenvalue| of the inverse of a linear response; 0 of a block whose inverse has no state."""
         return 0.0
+
+    def state_space(self, Ts_s: float) -> StateSpace | None:
+        """The block as a linear system from input to output; None of a block that is not one."""
+        return None
 
     unit: ClassVar[str] = ""
     """Unit of the output; that of the input by default."""

@@ -23,7 +23,7 @@ from hysgen.machine.kernels import lag_states
 from hysgen.machine.reproducible import expm1, spectral_radius
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, StateSpace, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 
 
@@ -90,6 +90,10 @@ class Creep(InputBlock):
     def zero(self, Ts_s: float) -> float:
         """Largest |eigenvalue| of the inverse, s(k+1) = s(k) + a (y(k) - amount sum_i s_i(k) - s(k))."""
         return _zero(self, Ts_s)
+
+    def state_space(self, Ts_s: float) -> StateSpace:
+        rates = self.rates(Ts_s)
+        return np.diag(1.0 - rates), rates, np.full(rates.size, self.amount), 1.0
 
     def solves(self, Ts_s: float) -> bool:
         return self.zero(Ts_s) < 1.0

@@ -32,7 +32,7 @@ from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
 from hysgen.model.chain_part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval, symmetric
-from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, singles
+from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, StateSpace, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 
 LEAST_DAMPING, MOST_DAMPING = 1e-4, 0.95
@@ -232,6 +232,15 @@ class Modes(InputBlock):
         """
         return _zero(self, Ts_s)
 
+    def state_space(self, Ts_s: float) -> StateSpace:
+        m = 2 * len(self.f_Hz)
+        A, B, C = np.eye(m), np.zeros(m), np.zeros(m)
+        for j, (step, *weights) in enumerate(zip(self.steps(Ts_s), *self.weights(Ts_s), strict=True)):
+            at = slice(2 * j, 2 * j + 2)
+            A[at, at] += [[-step.real, step.imag], [-step.imag, -step.real]]
+            B[at], C[at] = (step.real, step.imag), weights
+        return A, B, C, self.direct(Ts_s)
+
     def solves(self, Ts_s: float) -> bool:
         return abs(self.direct(Ts_s)) >= LEAST_DIRECT and self.zero(Ts_s) < 1.0
 
@@ -304,16 +313,8 @@ class Modes(InputBlock):
 
 @functools.lru_cache(maxsize=64)
 def _zero(block: Modes, Ts_s: float) -> float:
-    direct = block.direct(Ts_s)
-    if direct == 0.0:
-        return float("inf")
-    m = 2 * len(block.f_Hz)
-    A, B, C = np.eye(m), np.zeros(m), np.zeros(m)
-    for j, (step, *weights) in enumerate(zip(block.steps(Ts_s), *block.weights(Ts_s), strict=True)):
-        at = slice(2 * j, 2 * j + 2)
-        A[at, at] += [[-step.real, step.imag], [-step.imag, -step.real]]
-        B[at], C[at] = (step.real, step.imag), weights
-    return spectral_radius(A - B[:, None] * (C / direct))
+    A, B, C, direct = block.state_space(Ts_s)
+    return float("inf") if direct == 0.0 else spectral_radius(A - B[:, None] * (C / direct))
 
 
 class ModesMirror(BlockMirror):

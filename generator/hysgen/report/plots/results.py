@@ -22,6 +22,7 @@ from hysgen.report.plots import style
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import NOTE, Picture, figure
 from hysgen.report.plots.traces import LOOP_POINTS, envelope, horizon, validation
+from hysgen.trajectory.plan import Waveform
 from hysgen.uncertainty.history import History
 
 
@@ -108,6 +109,24 @@ def _(result: Cost) -> Drawing:
     axis.invert_yaxis()
     axis.set(xlabel="C674x cycles, stall-free", title=result.model)
     axis.legend(loc="lower right")
+    return Drawing(fig)
+
+
+@draw.register
+def _(result: Waveform) -> Drawing:
+    """Voltage with its limits, reference and displacement, and the error that the limits leave."""
+    fig, above, below, side = style.axes_beside()
+    time_s = result.reference.start_s + result.Ts_s * np.arange(result.y_um.size, dtype=np.float64)
+    above.plot(*envelope(result.time_s, result.u_V), color=style.EXTENDED, linewidth=style.THIN)
+    for limit_V in (result.limits.low_V, result.limits.high_V):
+        above.axhline(limit_V, color=style.NOTE, linestyle="--")
+    below.plot(*envelope(time_s, result.reference.values), color=style.MEASURED, label="reference")
+    below.plot(*envelope(time_s, result.y_um), color=style.SIMULATED, linestyle="--", label="answer of the model")
+    side.plot(*envelope(time_s, 1e3 * (result.y_um - result.reference.values)), color=style.SIMULATED)
+    above.set(ylabel="voltage [V]", title=f"{result.reference.source} with {result.model}")
+    below.set(xlabel="time [s]", ylabel="displacement [µm]")
+    below.legend(loc="upper left", ncols=2)
+    side.set(xlabel="time [s]", ylabel="answer - reference [nm]")
     return Drawing(fig)
 
 

@@ -1,0 +1,171 @@
+"""The exact inverse of a model along a whole reference, in float64, with as much preview as the model needs.
+
+    rules        w(k) = (y(k+1) - sum_l p_l(y(k)) (q_l1 y(k) + q_l3)) / sum_l p_l(y(k)) q_l2,              Eq. (11)
+    creep, modes x(k) = (w(k) - C s(k)) / D,   s(k+1) = F s(k) + B/D w(k),   F = A - B C / D
+    hysteresis   the v(k) whose h(k) is wanted, sample after sample
+    delay        u(k) = (v(k+d) - mu u(k-1)) / (1 - mu), from the end backwards where mu > 1/2
+
+In the coordinates of the eigenvectors of F, each state with an eigenvalue inside the unit circle is computed from the
+start on, each other state from the end backwards, where the reference rests: the inverse of a stage with zeros outside
+the circle, exact but for what its voltage would have to do before the first sample.
+Source: Devasia, Chen and Paden, IEEE Trans. Autom. Control 41 (1996) 930-942.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from hysgen.errors import ModelError
+from hysgen.machine.kernels import hysteresis_inverse
+from hysgen.model.model import Model
+from hysgen.model.path.base import InputBlock, StateSpace
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.regression import memberships
+from hysgen.model.simulate import rest_um
+
+Floats = NDArray[np.float64]
+
+BISECTIONS = 40
+"""Steps that find a voltage to 1e-12 of the input range."""
+
+FORGOTTEN = 1e-9
+"""Share of a state before the first sample that may be missing."""
+
+MOST_PREVIEW = 100_000
+"""Samples of the voltage before the first sample of the reference, at most."""
+
+NEAR_CIRCLE = 0.9
+"""A delay whose zero is nearer to the unit circle is inverted by interpolation: the exact inverse would ring."""
+
+CORRECTIONS = 12
+"""Largest number of corrections of the reference by what the inverse misses."""
+
+
+def own_response(model: Model) -> Model:
+    """The model without its disturbances: what of them comes next, and in which phase, no reference says."""
+    return dataclasses.replace(model, terms=(), weights=np.zeros(0), scores={}, certificates={})
+
+
+def rest_voltage(model: Model, y_um: float) -> float:
+    """Voltage under which the model rests at y, by bisection; an end of the input range for a y beyond it."""
+    low_V, high_V = model.u_min_V, model.u_max_V
+    rising = rest_um(model, high_V, {}) > rest_um(model, low_V, {})
+    for _ in range(BISECTIONS):
+        middle_V = 0.5 * (low_V + high_V)
+        if (rest_um(model, middle_V, {}) < y_um) == rising:
+            low_V = middle_V
+        else:
+            high_V = middle_V
+    return 0.5 * (low_V + high_V)
+
+
+def preview_samples(model: Model) -> int:
+    """Samples by which the voltage begins before the reference: delay, and zeros outside the unit circle."""
+    ahead = 1
+    for block in model.blocks:
+        ahead += block.preview
+        space = block.state_space(model.Ts_s)
+        outside = [] if space is None else [abs(z) for z in _zeros(space) if abs(z) > 1.0]
+        if isinstance(block, Delay) and block.part > 0.5 and (1.0 - block.part) / block.part < NEAR_CIRCLE:
+            outside = [block.part / (1.0 - block.part)]
+        if outside:
+            ahead += min(math.ceil(-math.log(FORGOTTEN) / math.log(min(outside))), MOST_PREVIEW)
+    return ahead
+
+
+def inverse(model: Model, y_um: Floats, rest_V: float) -> Floats:
+    """Voltages u(k), (n,), that take the model from rest under rest_V along y(k), (n + 1,).
+
+    The model has no disturbances. A y(k) that no voltage reaches takes the nearest end of the range of the hysteresis.
+    Raises ModelError if a response of the model cannot be inverted.
+    """
+    wanted = _before_rules(model, y_um)
+    levels = [rest_V]
+    for block in model.blocks:
+        levels.append(float(block.apply(np.full(2, levels[-1]), model.Ts_s)[0]))
+    for block, at_rest, out in zip(reversed(model.blocks), levels[-2::-1], levels[:0:-1], strict=True):
+        wanted = _solved(block, wanted, at_rest, out, model.Ts_s)
+    return wanted
+
+
+def corrected_inverse(model: Model, y_um: Floats, rest_V: float) -> tuple[Floats, Floats]:
+    """`inverse`, and the y that the model answers, (n + 1,); the reference is corrected while its error falls.
+
+    The first pass is exact up to interpolated delays and rounding; each further one inverts y + (y - answer).
+    """
+    aim = y_um
+    best: tuple[float, Floats, Floats] | None = None
+    for _ in range(CORRECTIONS):
+        u_V = inverse(model, aim, rest_V)
+        answer = model.simulate(np.append(u_V, u_V[-1]), float(y_um[0]))
+        missed = float(np.abs(answer - y_um).max())
+        if best is not None and not missed < 0.5 * best[0]:
+            break
+        best = (missed, u_V, answer)
+        aim = aim + (y_um - answer)
+    assert best is not None
+    return best[1], best[2]
+
+
+def _before_rules(model: Model, y_um: Floats) -> Floats:
+    """Eq. (11): w(k), (n,), that takes y(k) to y(k+1)."""
+    strengths = memberships(y_um[:-1], model.grid)
+    of_y, of_w, constant = (strengths @ model.consequents).T
+    return np.asarray((y_um[1:] - of_y * model.grid.clamp(y_um[:-1]) - constant) / of_w)
+
+
+def _solved(block: InputBlock, out: Floats, input_at_rest: float, out_at_rest: float, Ts_s: float) -> Floats:
+    """The input, (n,), of a block whose output is `out`, (n,), from rest."""
+    if isinstance(block, Hysteresis):
+        x, _ = hysteresis_inverse(block.series, out, block.start(input_at_rest))
+        return 0.5 * (block.low_V + block.high_V) + 0.5 * (block.high_V - block.low_V) * x
+    if isinstance(block, Delay):
+        return _sooner(block, out)
+    space = block.state_space(Ts_s)
+    if space is not None:
+        return input_at_rest + _linear_inverse(space, out - out_at_rest)
+    if block.responds:
+        raise ModelError(f"{block.kind}: has no inverse along a reference; fit the model without it")
+    return out
+
+
+def _zeros(space: StateSpace) -> NDArray[np.complex128]:
+    A, B, C, D = space
+    return np.linalg.eigvals(A - np.outer(B, C) / D).astype(np.complex128)
+
+
+def _linear_inverse(space: StateSpace, out: Floats) -> Floats:
+    """The input of a linear block, both as deviations from rest; `out` stays at its last value."""
+    A, B, C, D = space
+    zeros, V = np.linalg.eig(A - np.outer(B, C) / D)
+    weights = np.linalg.solve(V, B / D) * (C @ V)
+    x = out / D
+    for zero, weight in zip(zeros, weights, strict=True):
+        if abs(zero) < 1.0:
+            state = lfilter([0.0, weight], [1.0, -zero], out)
+        else:
+            last = weight * out[-1] / (1.0 - zero)
+            back, _ = lfilter([-weight / zero], [1.0, -1.0 / zero], out[::-1], zi=[last / zero])
+            state = back[::-1]
+        x = x - np.real(state) / D
+    return np.asarray(x)
+
+
+def _sooner(block: Delay, out: Floats) -> Floats:
+    """The command whose delayed course is `out`; exact where the zero of the delay is not NEAR_CIRCLE."""
+    mu, held = block.part, np.concatenate([out, np.full(block.whole + 1, out[-1])])
+    early = held[block.whole : block.whole + out.size]
+    if mu / (1.0 - mu) < NEAR_CIRCLE:
+        start = [-mu / (1.0 - mu) * out[0]]
+        return np.asarray(lfilter([1.0 / (1.0 - mu)], [1.0, mu / (1.0 - mu)], early, zi=start)[0])
+    later = held[block.whole + 1 :]
+    if (1.0 - mu) / mu < NEAR_CIRCLE:
+        end = [-(1.0 - mu) / mu * out[-1]]
+        return np.asarray(lfilter([1.0 / mu], [1.0, (1.0 - mu) / mu], later[::-1], zi=end)[0][::-1])
+    return np.asarray(early + mu * (later - early))

@@ -1,0 +1,208 @@
+"""The voltage inside its limits whose largest error is least: a quadratic programme, solved about the last answer.
+
+    minimise    t + SPREAD e_max sum_k (e(k)/e_max)^2 / n           e = y - r
+    such that   |e(k)| <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
+                |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
+
+with y(k+1) = a(k) y(k) + b(k) u(k-d) + c(k), where c makes the line pass through the answer of the model to the last
+voltage. Each u is a line in two neighbouring y, so every matrix is banded, and a step costs time proportional to n.
+Source: Boyd and Vandenberghe, Convex Optimization (2004), section 11.7 (primal and dual interior point).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.linalg import solveh_banded
+
+from hysgen.certify.enclosure import slope
+from hysgen.machine.kernels import slew_limited
+from hysgen.model.model import Model
+from hysgen.model.path import applied
+from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.slew import Slew
+from hysgen.model.regression import memberships
+
+Floats = NDArray[np.float64]
+
+SPREAD = 0.01
+"""Weight of the mean square beside the largest error: the largest stays within a hundredth of its least."""
+
+ROUNDS, LEAST_FALL = 12, 0.01
+"""Programmes one after the other, and the relative fall of the largest error below which they end."""
+
+SHARES = (1.0, 0.5, 0.25)
+"""Shares of the way from the last voltage to that of a programme that are tried: the line is no more than near."""
+
+PINNED = 1e-6
+"""Half of the range, as a share, in which what is given may move: an interior point needs room."""
+
+BANDS = 4
+"""Diagonals of the matrix from the main one on: an acceleration takes four neighbouring displacements."""
+
+STEPS, GAP, CENTRE = 100, 1e-7, 0.1
+"""Steps of the interior point, duality gap at which they end, as a share of the first, and what a step aims at."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """low_V .. high_V of the voltage; slew in V/s and acceleration in V/s^2, None for none."""
+
+    low_V: float
+    high_V: float
+    slew_V_s: float | None = None
+    acceleration_V_s2: float | None = None
+
+    def broken(self, u_V: Floats, Ts_s: float) -> tuple[str, ...]:
+        """Names of the limits that a voltage exceeds by more than rounding."""
+        rounding = 1e-9 * (self.high_V - self.low_V)
+        names = [] if u_V.min() >= self.low_V - rounding and u_V.max() <= self.high_V + rounding else ["voltage"]
+        after_rest = np.append(u_V[:1], u_V)
+        for order, (name, limit) in enumerate((("slew", self.slew_V_s), ("acceleration", self.acceleration_V_s2)), 1):
+            if limit is not None and np.abs(np.diff(after_rest, order)).max() > limit * Ts_s**order + rounding:
+                names.append(name)
+        return tuple(names)
+
+
+def limits_of(model: Model, given: Limits | None) -> Limits:
+    """The limits of the model (input range, saturation, slew rate), narrowed by those given."""
+    low_V, high_V, slew = model.u_min_V, model.u_max_V, None
+    for block in model.blocks:
+        if isinstance(block, Saturation):
+            low_V, high_V = max(low_V, block.low_V), min(high_V, block.high_V)
+        if isinstance(block, Slew):
+            slew = min(block.rise_V_s, block.fall_V_s)
+    if given is None:
+        return Limits(low_V, high_V, slew)
+    rates = [rate for rate in (slew, given.slew_V_s) if rate is not None]
+    return Limits(max(low_V, given.low_V), min(high_V, given.high_V), min(rates, default=None), given.acceleration_V_s2)
+
+
+def clipped(u_V: Floats, limits: Limits, Ts_s: float) -> Floats:
+    """The voltage cut at its limits sample by sample, as an amplifier would cut it."""
+    cut = np.clip(u_V, limits.low_V, limits.high_V)
+    if limits.acceleration_V_s2 is None:
+        step_V = np.inf if limits.slew_V_s is None else limits.slew_V_s * Ts_s
+        return slew_limited(cut, step_V, step_V, float(cut[0]))
+    most_V, more_V = (limits.slew_V_s or np.inf) * Ts_s, limits.acceleration_V_s2 * Ts_s**2
+    made, step_V = cut.copy(), 0.0
+    for k in range(1, cut.size):
+        wish_V = float(np.clip(cut[k] - made[k - 1], step_V - more_V, step_V + more_V))
+        # Slow enough to stop before an end of the range.
+        room_V = (limits.high_V - made[k - 1]) if wish_V > 0.0 else (made[k - 1] - limits.low_V)
+        stop_V = max(float(np.sqrt(2.0 * more_V * max(room_V, 0.0))) - 0.5 * more_V, 0.0)
+        step_V = float(np.clip(np.clip(wish_V, -stop_V, stop_V), -most_V, most_V))
+        made[k] = made[k - 1] + step_V
+    return made
+
+
+def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits) -> tuple[Floats, Floats]:
+    """A voltage inside its limits with the least largest error along y, (n + 1,), and the answer of the model to it.
+
+    u_V: (n,) of the exact inverse. Never worse than the clipped voltage.
+    """
+    delay = sum(block.preview for block in model.blocks)
+    volts = clipped(u_V, limits, model.Ts_s)
+    answer = model.simulate(np.append(volts, volts[-1]))
+    best = (float(np.abs(answer - y_um).max()), volts, answer)
+    per_V = np.prod([2.0 * b.mean_slope / (b.high_V - b.low_V) for b in model.blocks if isinstance(b, Hysteresis)])
+    for _ in range(ROUNDS):
+        before, volts, answer = best
+        y = answer[delay:-1]
+        w = applied(model.blocks, volts, model.Ts_s, model.w_range)[delay:]
+        a, b = slope(model, y, w), memberships(y, model.grid) @ model.consequents[:, 1] * per_V
+        c = answer[delay + 1 :] - a * y - b * volts[: volts.size - delay]
+        early = _programme((a, b, c), y_um[delay:], answer[delay:], float(volts[0]), limits, model.Ts_s)
+        aim = np.append(early, np.full(delay, early[-1]))
+        aim = clipped(aim, limits, model.Ts_s) if limits.broken(aim, model.Ts_s) else aim
+        # The limits are convex: every voltage between two inside them is inside them, too.
+        for share in SHARES:
+            tried = volts + share * (aim - volts)
+            answer = model.simulate(np.append(tried, tried[-1]))
+            largest = float(np.abs(answer - y_um).max())
+            if largest < best[0]:
+                best = (largest, tried, answer)
+        if best[0] > (1.0 - LEAST_FALL) * before:
+            break
+    return best[1], best[2]
+
+
+def _programme(
+    line: tuple[Floats, Floats, Floats], r: Floats, y: Floats, first_V: float, limits: Limits, Ts_s: float
+) -> Floats:
+    """The voltages, (n,), of one programme. line: a, b, c, (n,) each; r, y: (n + 1,) reference and last answer."""
+    a, b, c = line
+    n = a.size
+    of_y = _neighbours(-a / b, 1.0 / b)
+    shift = c / b
+    low_V, high_V = np.full(n, limits.low_V), np.full(n, limits.high_V)
+    # The first voltage is that of the rest before, and the displacement begins where it rests.
+    low_V[0], high_V[0] = first_V - PINNED * (high_V[1] - low_V[1]), first_V + PINNED * (high_V[1] - low_V[1])
+    bounds = [(of_y, low_V + shift, high_V + shift)]
+    # From the rest before on, which is as high as the first voltage.
+    change = _neighbours(-np.ones(n - 1), np.ones(n - 1))
+    bend = sparse.vstack([change[:1], _neighbours(-np.ones(n - 2), np.ones(n - 2)) @ change])
+    rates = ((limits.slew_V_s, change, Ts_s), (limits.acceleration_V_s2, bend, Ts_s**2))
+    bounds += [
+        (matrix @ of_y, matrix @ shift - rate * unit_s, matrix @ shift + rate * unit_s)
+        for rate, matrix, unit_s in rates
+        if rate is not None
+    ]
+    unit = sparse.eye(n + 1, format="csr")
+    rows = sparse.vstack([unit, -unit, *(part for m, _, _ in bounds for part in (m, -m))], format="csr")
+    sides = np.concatenate([r, -r, *(part for _, low, high in bounds for part in (high, -low))])
+    of_t = np.zeros(sides.size)
+    of_t[: 2 * (n + 1)] = -1.0
+    largest = float(np.abs(y - r).max())
+    for place, sign in ((0, 1.0), (n + 1, -1.0)):
+        of_t[place], sides[place] = 0.0, sign * y[0] + PINNED * largest
+    weight = 2.0 * SPREAD / (largest * (n + 1))
+    solution = _interior_point(rows, of_t, sides, weight, r, np.append(y, 1.1 * largest))
+    return np.asarray(of_y @ solution[:-1] - shift)
+
+
+def _neighbours(here: Floats, next_to: Floats) -> Any:
+    """The matrix (n, n + 1) whose row k is here(k) at column k and next_to(k) at column k + 1."""
+    n = here.size
+    columns = np.stack([np.arange(n), np.arange(1, n + 1)], axis=1).ravel()
+    values = np.stack([here, next_to], axis=1).ravel()
+    return sparse.csr_matrix((values, columns, 2 * np.arange(n + 1)), shape=(n, n + 1))
+
+
+def _interior_point(rows: Any, of_t: Floats, sides: Floats, weight: float, r: Floats, z: Floats) -> Floats:
+    """minimise t + weight |y - r|^2 / 2 over z = (y, t) such that rows y + of_t t <= sides, row by row."""
+    y, t = z[:-1], float(z[-1])
+    slack = np.maximum(sides - rows @ y - of_t * t, 1e-3 * t)
+    price = t / (slack * slack.size)
+    first = float(slack @ price)
+    for _ in range(STEPS):
+        primal, gap = rows @ y + of_t * t + slack - sides, float(slack @ price)
+        if gap < GAP * first and np.abs(primal).max() < GAP * max(first, t):
+            break
+        ratio, aim = price / slack, CENTRE * gap / slack.size
+        matrix, border = rows.T @ sparse.diags_array(ratio) @ rows, rows.T @ (ratio * of_t)
+        band = np.stack([np.pad(matrix.diagonal(k), (k, 0)) for k in range(BANDS - 1, -1, -1)])
+        band[-1] += weight + 1e-13 * band[-1].max()
+        push = (price * primal + aim) / slack
+        right = np.stack([-weight * (y - r) - rows.T @ push, border], axis=1)
+        alone, with_t = solveh_banded(band, right, check_finite=False).T
+        dt = (-1.0 - float(of_t @ push) - float(border @ alone)) / (
+            float(of_t @ (ratio * of_t)) - float(border @ with_t)
+        )
+        dy = alone - dt * with_t
+        dslack = -primal - rows @ dy - of_t * dt
+        dprice = (aim - price * dslack) / slack - price
+        forward, backward = 0.99 * _share(slack, dslack), 0.99 * _share(price, dprice)
+        y, t, slack, price = y + forward * dy, t + forward * dt, slack + forward * dslack, price + backward * dprice
+    return np.append(y, t)
+
+
+def _share(values: Floats, steps: Floats) -> float:
+    """The largest share, at most 1, of the steps by which no value becomes negative."""
+    falling = steps < 0.0
+    return min(1.0, float(np.min(-values[falling] / steps[falling], initial=1.0)))

@@ -1,0 +1,107 @@
+"""Learning over repeats on stages whose equations are foreign to hysgen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import hysgen
+from hysgen.model.rivals import fit_proportional
+from hysgen.record import Record
+from hysgen.record.segment import Segment
+from hysgen_lab.stage.families import Plant, plant, records
+from hysgen_lab.stage.measure import run
+
+Play = Callable[[np.ndarray, int], np.ndarray]
+
+
+def player(hidden: Plant) -> Play:
+    """Reading, (n,), under voltages, (n,), in a repeat with noise of its own, on a stage that comes from elsewhere."""
+    middle_V = 0.5 * sum(hidden.range_V)
+
+    def play(u_V: np.ndarray, repeat: int) -> np.ndarray:
+        before = np.concatenate([np.linspace(hidden.range_V[1], middle_V, 800), np.linspace(middle_V, u_V[0], 800)])
+        seen = run(hidden.stage, np.concatenate([before, u_V]), hidden.Ts_s, repeat, rest_V=hidden.range_V[1])
+        return np.asarray(seen.displacement_um[before.size :])
+
+    return play
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def played(hidden: Plant, plan: hysgen.Waveform, y_um: np.ndarray) -> Record:
+    return Record.from_segments([Segment("0", plan.u_V, y_um, {}, plan.start_s)], hidden.Ts_s, "played")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("family", "form"), [("preisach", "triangle"), ("relays", "scan"), ("bouc-wen", "sine")])
+def test_repeats_of_a_foreign_stage_reach_its_noise(family: str, form: str) -> None:
+    hidden = plant(family, "memory", 0)
+    (u_V, y_um), (later_V, later_um) = records(hidden, (16_000, 8000))
+    record = Record.from_arrays(u_V, y_um, hidden.Ts_s)
+    model = hysgen.fit(record, memory=True)
+    free_run_um = hysgen.score(model, Record.from_arrays(later_V, later_um, hidden.Ts_s)).free_run.e_rms_um
+    shape = hysgen.Form(0.3 * hidden.stroke_um, f_Hz=0.002 / hidden.Ts_s, periods=3)
+    play, plays, errors = player(hidden), [], []
+    plan = hysgen.waveform(model, form, shape, loop=True)
+    wanted = plan.reference.values
+    straight = np.append(fit_proportional(record).inverse(wanted), 0.0)[: wanted.size - 1]
+    proportional_um = rms(play(straight, 9)[: straight.size] - wanted[: straight.size])
+    for repeat in range(6):
+        y_um = play(plan.u_V, repeat)
+        errors.append(rms(y_um[plan.lead :] - wanted))
+        plays.append(played(hidden, plan, y_um))
+        plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
+        assert plan.learning is not None
+    assert errors[0] < 0.25 * proportional_um
+    assert errors[0] < 2.0 * free_run_um + 2.0 * hidden.noise_um
+    assert errors[5] < 1.5 * hidden.noise_um
+    assert plan.learning.noise_um == pytest.approx(hidden.noise_um, rel=0.2)
+
+
+def test_a_repeat_that_made_the_error_worse_is_left_and_learning_stops_there() -> None:
+    """A stage whose gain has the wrong sign for the model: every step of a blind learner doubles the error."""
+    model = hysgen.load_model("appendix_a")
+    form = hysgen.Form(0.3, f_Hz=50.0, periods=2)
+    first = hysgen.waveform(model, "sine", form)
+    wanted, centre_um = first.reference.values, float(first.reference.values.mean())
+    rng, plays, plan = np.random.default_rng(0), [], first
+
+    def record(now: hysgen.Waveform) -> Record:
+        answer_um = model.simulate(now.u_V)
+        y_um = centre_um - 1.2 * (answer_um - centre_um) + rng.normal(0.0, 1e-3, answer_um.size)
+        return Record.from_segments([Segment("0", now.u_V, y_um, {}, now.start_s)], model.Ts_s, "played")
+
+    for _ in range(4):
+        plays.append(record(plan))
+        plan = hysgen.waveform(model, "sine", form, plays=plays)
+        assert plan.learning is not None
+        assert plan.learning.diverges
+    assert not plan.holds
+    assert np.abs(plan.u_V - first.u_V).max() < 0.05 * np.ptp(first.u_V)
+    assert rms(plan.y_um - wanted) < 1e-6
+
+
+def test_a_mode_that_the_model_lacks_is_driven_up_once_at_most() -> None:
+    """At the mode the stage moves several times what the model says, and against it just above."""
+    model = hysgen.load_model("appendix_a")
+    form = hysgen.Form(0.3, f_Hz=50.0, periods=4)
+    plan = hysgen.waveform(model, "triangle", form)
+    pole = 0.995 * np.exp(2j * np.pi * 900.0 * model.Ts_s)
+    rng, plays, errors = np.random.default_rng(1), [], []
+    for _ in range(6):
+        answer_um = model.simulate(plan.u_V)
+        ringing_um = np.real(lfilter([1.0], [1.0, -pole], np.diff(answer_um, prepend=answer_um[0])))
+        y_um = answer_um - 0.6 * ringing_um + rng.normal(0.0, 5e-4, answer_um.size)
+        errors.append(rms(y_um[plan.lead :] - plan.reference.values))
+        plays.append(Record.from_segments([Segment("0", plan.u_V, y_um, {}, plan.start_s)], model.Ts_s, "played"))
+        plan = hysgen.waveform(model, "triangle", form, plays=plays)
+    assert errors[1] > 2.0 * errors[0]
+    assert max(errors[2:]) < errors[0]
+    assert plan.learning is not None
+    assert any("WORSE: back to repeat" in line for line in plan.learning.lines()) == plan.learning.diverges
