@@ -59,7 +59,11 @@ def learn(
     """
     stage, n = own_response(model), reference.values.size
     lead = lead_samples(stage, reference.values, limits_of(model, given), loop)
-    volts, readings, answers, counts, scatter = [], [], [], [], 0.0
+    volts: list[Floats] = []
+    readings: list[Floats] = []
+    answers: list[Floats] = []
+    counts: list[int] = []
+    scatter = 0.0
     for record in plays:
         u_V, y_um = _aligned(record, reference, lead, model.Ts_s)
         known = next((i for i, other in enumerate(volts) if _same(u_V, other)), None)
