@@ -74,7 +74,8 @@ def limits_of(model: Model, given: Limits | None) -> Limits:
     low_V, high_V, slew = model.u_min_V, model.u_max_V, None
     for block in model.blocks:
         if isinstance(block, Saturation):
-            low_V, high_V = max(low_V, block.low_V), min(high_V, block.high_V)
+            low_V = low_V if block.low_V is None else max(low_V, block.low_V)
+            high_V = high_V if block.high_V is None else min(high_V, block.high_V)
         if isinstance(block, Slew):
             slew = min(block.rise_V_s, block.fall_V_s)
     if given is None:
