@@ -21,6 +21,7 @@ from hysgen.model.file import load_model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import Modes
 
 SAMPLES = 8000
@@ -72,6 +73,7 @@ def test_each_term_alone_equals_its_reference(term: Term, function: str) -> None
         [Delay(0.7)],
         [BLOCKS[0], BLOCKS[2]],
         *([block] for block in RESPONSES),
+        [Loop.examples(np.random.default_rng(4))[1]],
         [*BLOCKS, *RESPONSES],
         [hysteresis(0)],
         [hysteresis(3)],

@@ -18,12 +18,9 @@ from hysgen.record.segment import Segment
 from hysgen_lab.stage import (
     BoucWen,
     DelayEffect,
-    DriftEffect,
-    OutliersEffect,
     PeriodicEffect,
     ResonanceEffect,
     SaturationEffect,
-    SlewEffect,
     Stage,
     StickSlipEffect,
     run,
@@ -42,12 +39,12 @@ STAGES = {
     "amplifier clips, sensor in steps": replace(
         Stage().with_effects(saturation=SaturationEffect(5.0, 45.0)), noise=None
     ),
-    "slew": LAB.with_effects(slew=SlewEffect(2000.0)),
+    "slew": LAB.with_effects(slew=2000.0),
     "soft mode": LAB.with_effects(resonance=(ResonanceEffect(150.0, 0.02),)),
     "late": LAB.with_effects(delay=DelayEffect(samples=7.0)),
     "sticks": LAB.with_effects(stick_slip=StickSlipEffect(0.05)),
-    "outliers": LAB.with_effects(outliers=OutliersEffect(0.002, 1.0)),
-    "drifts": LAB.with_effects(drift=DriftEffect(1.0, 0.5)),
+    "outliers": LAB.with_effects(outliers=(0.002, 1.0)),
+    "drifts": LAB.with_effects(drift=(1.0, 0.5)),
     "hum": LAB.with_effects(periodic=(PeriodicEffect(50.0, 0.3),)),
     "proportional": replace(Stage(), memory=None).quiet(),
 }

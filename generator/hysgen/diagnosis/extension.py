@@ -50,6 +50,7 @@ def corrected(segment: Segment, corrections: Sequence[Correction], Ts_s: float) 
 class Extension:
     """Extension for one cause: a term, a block of the path, a correction, or settings of the fit and the learner.
 
+    in_place: the block of an earlier cause as it is beside this one, and the blocks that follow it; none without it.
     size: size of the hysteresis, None for a cause without memory. relaxation: s_j / r_j of the plays, 0 for plays that
     do not relax. lag_s: lag of the chain that the block belongs to.
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
@@ -60,6 +61,7 @@ class Extension:
 
     term: Term | None = None
     block: InputBlock | None = None
+    in_place: tuple[InputBlock, ...] = ()
     size: PathSize | None = None
     relaxation: float = 0.0
     lag_s: float | None = None
@@ -72,7 +74,8 @@ class Extension:
     def content(self) -> Hashable:
         """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
-        return (self.term, self.block, self.size, self.relaxation, self.lag_s, trust, self.correction, self.learns)
+        path = (self.block, self.in_place, self.size, self.relaxation, self.lag_s)
+        return (self.term, *path, trust, self.correction, self.learns)
 
     @property
     def on_path(self) -> bool:

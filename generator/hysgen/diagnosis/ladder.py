@@ -76,7 +76,9 @@ def fit_ladder(
     """The model with the extensions of `names`, fitted to the identification part less the rows `skip`."""
     chosen = [extensions[name] for name in in_ladder_order(names)]
     terms = tuple(e.term for e in chosen if e.term is not None)
-    blocks = tuple(sorted((e.block for e in chosen if e.block is not None), key=lambda block: block.place))
+    blocks = {e.block.place: e.block for e in chosen if e.block is not None}
+    for first, *others in (e.in_place for e in chosen if e.in_place):
+        blocks |= {block.place: block for block in (first, *others)} if first.place in blocks else {}
     trust = prepared.trust.copy()
     for extension in chosen:
         if extension.trust is not None:
@@ -90,7 +92,7 @@ def fit_ladder(
     extended = dataclasses.replace(
         settings,
         terms=terms,
-        blocks=blocks,
+        blocks=tuple(blocks[place] for place in sorted(blocks)),
         settle=0,
         input_range_V=prepared.record.u_range_V,
         displacement_range_um=_model_range_um(prepared, level),

@@ -28,13 +28,14 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
 from hysgen.fitting.least_squares import windows
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
-from hysgen.machine.kernels import lag_of_signals
+from hysgen.machine.kernels.operators import lag_of_signals
 from hysgen.machine.reproducible import exp
 from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
+from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.record import Record, Segment
@@ -254,7 +255,7 @@ class _Kept:
         rows = known[weight[known] > 0.0]
         if rows.size > MOST_ROWS:
             rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
-        y_um = np.concatenate([segment.y_um for segment in task.record.segments])
+        y_um = np.concatenate([segment.y_um - _looped_um(task, segment) for segment in task.record.segments])
         return cls(rows, np.sqrt(weight[rows]), y_um[rows])
 
     @property
@@ -280,13 +281,30 @@ def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
         if not block.responds:
             u_V = block.apply(u_V, Ts_s)
     columns = task.size.operator(*_passed_V(task)).columns(u_V)
-    for block in task.blocks:
-        for column in columns if block.responds else ():
+    for block in _linear(task):
+        for column in columns:
             column[:] = block.apply(column, Ts_s)
     drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
     extra = [np.ones(segment.samples)]
     extra += [column for term in task.terms for column in term.regressors(drive).T]
     return columns, np.stack(extra)
+
+
+def _linear(task: PathTask) -> list[InputBlock]:
+    """The responses through which the columns of h pass one by one."""
+    return [block for block in task.blocks if block.responds and not isinstance(block, Loop)]
+
+
+def _looped_um(task: PathTask, segment: Segment) -> Floats | float:
+    """(n,) what the states in the loop of a mode add to the displacement, at the gain of their identification."""
+    loop, Ts_s = next((block for block in task.blocks if isinstance(block, Loop)), None), task.record.Ts_s
+    if loop is None:
+        return 0.0
+    u_V = np.clip(segment.u_V, *task.input_range_V)
+    for block in (*(block for block in task.blocks if not block.responds), *_linear(task)):
+        u_V = block.apply(u_V, Ts_s)
+    rate = 1.0 - exp(-Ts_s / loop.lag_s)
+    return loop.moved(loop.gain * lag_of_signals(u_V[None], rate, np.arange(u_V.size))[0], Ts_s)[:, 0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ from scipy.signal import lfilter
 
 from hysgen.errors import FitError
 from hysgen.model.disturbances.drives import Drives
+from hysgen.model.path.loop import Loop
 from hysgen.model.path.structure import Structure
 from hysgen.record.series import period_of
 
@@ -56,6 +57,7 @@ class ModalForm:
     """N modes of M drives: poles lam (N,) with Im lam > 0, gains b (N, M), constant c in um; Ts_s: sampling period.
 
     rms_um: error of the identified rows. errors: (N, 2) standard errors of Re lam and Im lam.
+    loop: hysteretic states in the loop of the first mode (`loop`), or None.
     """
 
     poles: Complex
@@ -64,6 +66,7 @@ class ModalForm:
     Ts_s: float
     rms_um: float
     errors: Floats
+    loop: Loop | None = None
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ModalForm) and self._key == other._key
@@ -72,8 +75,8 @@ class ModalForm:
         return hash(self._key)
 
     @property
-    def _key(self) -> tuple[bytes, bytes, float]:
-        return self.poles.tobytes(), self.gains.tobytes(), self.constant_um
+    def _key(self) -> tuple[bytes, bytes, float, Loop | None]:
+        return self.poles.tobytes(), self.gains.tobytes(), self.constant_um, self.loop
 
     @property
     def rates(self) -> Complex:
@@ -111,7 +114,7 @@ class ModalForm:
         y = np.full(v.shape[1], self.constant_um)
         for pole, gains in zip(self.poles, self.gains, strict=True):
             y += states(pole, gains @ v).real
-        return y
+        return y if self.loop is None else y + self.loop.moved(y, self.Ts_s)[:, 0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 from scipy.signal import welch
 
 from hysgen_lab.stage import (
-    BandwidthEffect,
     CreepEffect,
     DelayEffect,
-    DriftEffect,
     NoiseEffect,
     PeriodicEffect,
     Stage,
@@ -21,6 +19,8 @@ from hysgen_lab.stage import (
     StickSlipEffect,
     run,
 )
+from hysgen_lab.stage.effects.bandwidth import BandwidthEffect
+from hysgen_lab.stage.effects.drift import DriftEffect
 
 Floats = NDArray[np.float64]
 TS_S = 20e-6

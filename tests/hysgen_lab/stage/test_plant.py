@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 import hysgen
 from hysgen.record.bundled import bundled_csv
 from hysgen_lab.stage import (
-    BandwidthEffect,
     BoucWen,
     Preisach,
     Stage,
@@ -31,6 +30,7 @@ from hysgen_lab.stage import (
 )
 from hysgen_lab.stage.demo_record import demo_csv, demo_measurement, identification_rows
 from hysgen_lab.stage.effects import Action, Effect
+from hysgen_lab.stage.effects.bandwidth import BandwidthEffect
 from hysgen_lab.studies.bank import scenario
 
 Floats = NDArray[np.float64]

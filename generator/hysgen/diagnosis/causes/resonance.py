@@ -50,12 +50,25 @@ KNOWN = 5e-3
 
 @dataclass(frozen=True)
 class StructurePart(Part):
-    """The motion of an identified structure, whose inputs are the command and `channels`, as one column."""
+    """The motion of an identified structure, whose inputs are the command and `channels`, as one column.
+
+    linear: the form without the states in its loop, if it has any: these are the part of the cause `softening`.
+    """
 
     cause: ClassVar[str] = "resonance"
     place: ClassVar[int] = 50
     form: ModalForm
     channels: tuple[str, ...] = ()
+    linear: ModalForm | None = None
+
+    @property
+    def states(self) -> int:
+        """Number of the hysteretic states in the loop of a mode."""
+        return 0 if self.form.loop is None else len(self.form.loop.force)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (*super().names, *(f"state {r}" for r in range(self.states)))
 
     @property
     def added(self) -> int:
@@ -63,7 +76,8 @@ class StructurePart(Part):
 
     @property
     def weight_orders(self) -> float:
-        return 4.0 * self.form.poles.size + 2.0 * self.form.gains.size  # a pole has a frequency, of order 3
+        # A pole has a frequency, of order 3.
+        return 4.0 * (self.form.poles.size + self.states) + 2.0 * self.form.gains.size
 
     def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
         return True  # what other drives and many modes move differs from pass to pass
@@ -175,7 +189,9 @@ class ResonanceCause(Cause):
         part = residual.fit.chain.get(StructurePart)
         if part is None:
             return super().extension(residual)
-        block, term = structure_parts(part.form, {name: residual.scene.range_of(name) for name in part.channels})
+        block, term = structure_parts(
+            part.linear or part.form, {name: residual.scene.range_of(name) for name in part.channels}
+        )
         return Extension(block=block, term=term, lag_s=block.lag_s)
 
 
@@ -184,16 +200,21 @@ def _structure(scene: Scene, modes: int) -> StructurePart | None:
 
     None for an excerpt of a record, whose runs do not begin at rest, and for a record that is too short.
     """
-    runs = scene.runs
-    channels = tuple(name for name in runs[0].aux if all(float(np.ptp(run.aux[name])) > 0.0 for run in runs))
-    whole = all(run.stride == 1 and not len(run.history) and run.segment in (0, len(run.u_V)) for run in runs)
-    if not whole or not (channels or modes >= MOST_MODES):
+    channels = moving_channels(scene)
+    if not scene.complete or not (channels or modes >= MOST_MODES):
         return None
-    return _identified(runs, channels, scene.Ts_s)
+    return identified(scene.runs, channels, scene.Ts_s)
+
+
+def moving_channels(scene: Scene) -> tuple[str, ...]:
+    """The other channels that move in every run."""
+    names = scene.runs[0].aux
+    return tuple(name for name in names if all(float(np.ptp(run.aux[name])) > 0.0 for run in scene.runs))
 
 
 @functools.lru_cache(maxsize=1)
-def _identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> StructurePart | None:
+def identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> StructurePart | None:
+    """The structure that command and channels excite; None for runs that are too short."""
     inputs = [np.stack([run.u_V, *(run.aux[name] for name in channels)]) for run in runs]
     try:
         form = identify_structure(inputs, [run.y_um for run in runs], Ts_s)

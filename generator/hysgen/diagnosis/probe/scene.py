@@ -163,7 +163,7 @@ class Scene:
 
         In Fortran order, as an array indexed by rows is: sums over the rows depend on the order in their last bits.
         """
-        if not self._complete:
+        if not self.complete:
             return self.columns(chain)[:, self.rows]
         size = self.hysteresis_size(chain)
         out = np.empty((len(self.rows), size + self._added_size(chain))).T
@@ -177,7 +177,7 @@ class Scene:
         return out
 
     @property
-    def _complete(self) -> bool:
+    def complete(self) -> bool:
         """Whether every run is a whole segment with all of its samples."""
         return all(run.stride == 1 and not len(run.history) and run.segment in (0, len(run.u_V)) for run in self.runs)
 
@@ -245,7 +245,7 @@ class Scene:
 
     def seen_on_rows(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
         """(r,) the training rows of `seen`, computed without the other rows where no run has a history."""
-        if not self._complete:
+        if not self.complete:
             return self.seen(paths, chain, weights)[self.rows]
         size = self.hysteresis_size(chain)
         out = np.full(len(self.rows), weights[size])

@@ -32,6 +32,10 @@ void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t
                          const size_t *order, const double *numerator, const double *denominator, long delay,
                          size_t count, const int64_t *rows, size_t row, size_t sample, double *out);
 """
+_LOOP = """
+void hysgen_loop(size_t samples, size_t parts, size_t states, const double *y, const double *lam, const double *e,
+                 const double *shape, double *out);
+"""
 MOST_STATES, MOST_BRANCHES, MOST_ORDER = 64, 8, 4
 
 
@@ -94,6 +98,17 @@ def mode_states(u_V: Floats, steps: NDArray[np.complex128], start: Floats) -> Fl
     u, c = np.ascontiguousarray(u_V, dtype=np.float64), np.array(start, dtype=np.float64)
     out = np.empty((u.size, pairs.size))
     call(library, "hysgen_modes", u.size, pairs.size // 2, u, pairs, c, out)
+    return out
+
+
+def loop_states(y: Floats, parts: int, pole: Floats, force: Floats, shape: Floats) -> Floats:
+    """A mode with hysteretic states in its loop (`model.path.loop`): (n, 1 + r) Re x and every h at each sample.
+
+    y: (n,) displacement without the states; pole: its two parts per step; force e: (r, 2); shape: (r, 3) p, q and box.
+    """
+    arrays = [np.ascontiguousarray(values, dtype=np.float64) for values in (y, pole, force, shape)]
+    out = np.empty((y.size, 1 + len(shape)))
+    call(kernel("loop.c", _LOOP), "hysgen_loop", y.size, parts, len(shape), *arrays, out)
     return out
 
 

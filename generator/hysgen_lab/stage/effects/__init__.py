@@ -1,37 +1,7 @@
 """Effects of the virtual stage: one file each, found by looking into this package.
 
 A new effect is one new file `effects/<name>.py`: a frozen dataclass that derives from `Effect`, and a last line that
-names it EFFECT. No other file of the stage or the bank changes:
-
-    @dataclass(frozen=True)
-    class EchoEffect(Effect):
-        "The voltage of the period before acts on the displacement:  y(k) += um_per_V u(k - 2)."
-
-        um_per_V: float                                       # the effect's parameters, with units
-
-        name = "echo"                                         # Stage.nominal().with_effects(echo=0.002)
-        bank_index = 15                                       # scenario("echo", seed); leave out: not in the bank
-        tolerances: ClassVar = {"echo.um_per_V": Tolerance(0.1)}        # how near the diagnosis must come
-
-        def action(self, Ts_s, seed, rest_V):                 # the equation, sample by sample
-            return _Echo(self.um_per_V, rest_V)
-
-        @classmethod
-        def draw(cls, rng, setting):                          # strength in a bank scenario
-            return cls(setting.share * setting.span_um / 100.0)
-
-        def true_parameters(self):                            # by the names that the diagnosis uses
-            return {"echo.um_per_V": self.um_per_V}
-
-    class _Echo(Action):
-        def __init__(self, um_per_V, rest_V):
-            self.um_per_V, self.past_V = um_per_V, rest_V
-
-        def added_um(self, u_V):                              # or command_V, to change what the D/A is given
-            past_V, self.past_V = self.past_V, u_V
-            return self.um_per_V * past_V
-
-    EFFECT = EchoEffect
+names it EFFECT. No other file of the stage or the bank changes; docs/extend.md adds one step by step.
 
 `Action` acts in Python on the command or on the displacement; `constants` instead sets members of the compiled plant
 (plant.h). The other members of `Effect` have defaults, described there. A category that is new in the bank changes what

@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.prepare import IDENTIFY
-from hysgen.machine.kernels import lag_states
+from hysgen.machine.kernels.operators import lag_states
 from hysgen.record import Record
 from hysgen_lab.stage import (
-    CouplingEffect,
     CreepEffect,
     Measurement,
     NoiseEffect,
@@ -126,7 +125,7 @@ def family_scenario(family: str, category: str, seed: int) -> FamilyScenario:
         share = float(np.exp(rng.uniform(np.log(0.002), np.log(0.05))))
         setting = Setting(u_V, Ts_s, stroke_um, share, tuple(aux))
         stage = stage.with_effects(**{DRAWN[name].name: _variant(rng, DRAWN[name].draw(rng, setting), setting)})
-        if name == CouplingEffect.name and rng.random() < 0.5:
+        if name == "coupling" and rng.random() < 0.5:
             lag_s = setting.span_s * float(rng.uniform(0.0003, 0.002))
             logged = {name: _lagging(values, lag_s, Ts_s) for name, values in aux.items()}
     bits = int(rng.integers(12, 19))
