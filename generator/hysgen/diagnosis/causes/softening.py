@@ -15,7 +15,6 @@ from hysgen.diagnosis.probe import Chain, Fit, Trace
 from hysgen.fitting.loop import identify_loop
 from hysgen.fitting.structure import ARX_ORDER, ModalForm, structure_parts
 from hysgen.model.path.loop import Loop
-from hysgen.model.path.modes import Modes
 
 
 class SofteningCause(Cause):
@@ -41,7 +40,7 @@ class SofteningCause(Cause):
         if not rings or self.present(chain) or not scene.complete or moving_channels(scene):
             return []
         part = _looped(scene.runs, scene.Ts_s)
-        return [] if part is None else [chain.without(Modes).having(part)]
+        return [] if part is None else [chain.having(part)]
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Both frequencies of the mode, for small and for large amplitudes, and the error without the states."""
