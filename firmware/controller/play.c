@@ -22,7 +22,8 @@ float hysgen_play_voltage(const play_t *self, uint32_t k)
 
 void hysgen_play_record(play_t *self, float y_um)
 {
-    const float code = number_limited((y_um - BOARD_LOW_UM) * PLAY_PER_UM + 0.5f, 1.0f, PLAY_CODES);
+    const float read_um = number_limited(y_um, BOARD_LOW_UM, BOARD_HIGH_UM);
+    const float code = number_limited((read_um - BOARD_LOW_UM) * PLAY_PER_UM + 0.5f, 1.0f, PLAY_CODES);
 
     self->words[self->done & (BOARD_RECORD - 1u)] = (uint16_t)((number_finite(y_um) != 0u) ? (uint32_t)code : PLAY_NONE);
     self->done += 1u;

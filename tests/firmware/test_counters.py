@@ -111,13 +111,16 @@ def test_a_leaky_count_falls_by_one_for_eight_good_samples(pause: int) -> None:
 
 
 def test_readings_at_the_limits_of_the_sensor_count_and_beyond_them_do_not() -> None:
+    """The first of two is a jump, which the second confirms."""
+    confirmed, beyond = FirmwareStatus.SENSOR_JUMP, FirmwareStatus.SENSOR_RANGE
     for limit, away in ((-3.276, -np.inf), (13.1077, np.inf)):
-        for reading, status in ((np.float32(limit), 0), (np.nextafter(np.float32(limit), np.float32(away)), 2)):
+        outside = np.nextafter(np.float32(limit), np.float32(away))
+        for reading, status in ((np.float32(limit), confirmed), (outside, beyond)):
             firmware = booted()
-            firmware.fail(BoardFault.READING, float(reading), after=1, samples=1)
-            firmware.run(np.full(2, REFERENCE_UM))
+            firmware.fail(BoardFault.READING, float(reading), after=1, samples=2)
+            firmware.run(np.full(3, REFERENCE_UM))
             assert firmware.status == status
-            assert bool(firmware.firmware.controller.watchdog.reading_um == reading) is (status == 0)
+            assert bool(firmware.firmware.controller.watchdog.reading_um == reading) is (status == confirmed)
 
 
 def test_a_stuck_sensor_is_a_fault_only_at_both_its_limits() -> None:

@@ -90,7 +90,7 @@ def test_the_limits_hold_and_the_largest_error_is_the_least(seed: int, share: fl
     """Against HiGHS on the same programme of a linear stage, whose answer is the least for sure."""
     rng = np.random.default_rng(seed)
     model = lag_model((), 150.0)
-    wanted = smooth(rng, 10.0, 90.0, 400)
+    wanted = smooth(rng, 35.0, 65.0, 400)
     free = hysgen.waveform(model, wanted)
     assume(not free.broken)
     step_V = np.abs(np.diff(free.u_V)).max()

@@ -102,15 +102,15 @@ def clipped(u_V: Floats, limits: Limits, Ts_s: float) -> Floats:
     return made
 
 
-def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits) -> tuple[Floats, Floats]:
+def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored: slice) -> tuple[Floats, Floats]:
     """A voltage inside its limits with the least largest error along y, (n + 1,), and the answer of the model to it.
 
-    u_V: (n,) of the exact inverse. Never worse than the clipped voltage.
+    u_V: (n,) of the exact inverse. The error counts on the rows `scored`, and is never worse than the clipped voltage's.
     """
     delay = sum(block.preview for block in model.blocks)
     volts = clipped(u_V, limits, model.Ts_s)
     answer = model.simulate(np.append(volts, volts[-1]))
-    best = (float(np.abs(answer - y_um).max()), volts, answer)
+    best = (float(np.abs(answer - y_um)[scored].max()), volts, answer)
     per_V = np.prod([2.0 * b.mean_slope / (b.high_V - b.low_V) for b in model.blocks if isinstance(b, Hysteresis)])
     for _ in range(ROUNDS):
         before, volts, answer = best
@@ -125,7 +125,7 @@ def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits) -> tupl
         for share in SHARES:
             tried = volts + share * (aim - volts)
             answer = model.simulate(np.append(tried, tried[-1]))
-            largest = float(np.abs(answer - y_um).max())
+            largest = float(np.abs(answer - y_um)[scored].max())
             if largest < best[0]:
                 best = (largest, tried, answer)
         if best[0] > (1.0 - LEAST_FALL) * before:

@@ -313,7 +313,7 @@ def _limited(
         return volts, answer, None, broken
     cut = clipped(volts, limits, stage.Ts_s)
     cut_um = float(np.abs(stage.simulate(np.append(cut, cut[-1])) - course)[scored].max())
-    return *best_within(stage, course, volts, limits), cut_um, broken
+    return *best_within(stage, course, volts, limits, scored), cut_um, broken
 
 
 def _spans(missed: NDArray[np.bool_], start_s: float, Ts_s: float) -> tuple[tuple[float, float], ...]:

@@ -249,7 +249,7 @@ def test_start_up_sets_stack_vectors_and_modes_and_calls_start() -> None:
     assert run.registers[STACK_POINTER] == top
     assert top % 8 == 0
     assert target.view("started", 1, np.uint32)[0] == 0x600DF00D
-    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("hysgen_vectors"), "tsr": 4}
+    assert run.control == {"amr": 0, "fadcr": 0, "fmcr": 0, "istp": target.address("hysgen_vectors"), "tsr": 12}
 
 
 @pytest.mark.parametrize(("slot", "leads_to"), [(0, "_c_int00"), (1, "hysgen_panic"), (4, "tick")])

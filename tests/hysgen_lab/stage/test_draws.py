@@ -50,7 +50,7 @@ NUMBERS = {  # rank, most at once, number in the bank
     "memory": (0, 1, 11), "bandwidth": (1, 1, None), "saturation": (2, 1, 3), "slew": (3, 1, 4), "creep": (4, 1, 0),
     "delay": (5, 1, 2), "drift": (6, 1, 5), "aging": (7, 1, 7), "outliers": (8, 1, 8), "coupling": (9, 1, 9),
     "stick_slip": (10, 1, 13), "noise": (11, 1, None), "resonance": (12, 4, 1), "periodic": (13, 16, 6),
-    "jumps": (14, 1, None), "chirp": (15, 1, None), "gain_step": (16, 1, None),
+    "jumps": (14, 1, None), "chirp": (15, 1, None), "gain_step": (16, 1, None), "softening": (17, 1, None),
 }  # fmt: skip
 
 

@@ -27,7 +27,7 @@ class SofteningEffect(Effect):
     yield_V: float
 
     name = "softening"
-    rank = 11
+    rank = 17
 
     def __post_init__(self) -> None:
         require_finite(self)
