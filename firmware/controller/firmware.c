@@ -350,11 +350,12 @@ static void firmware_line(firmware_t *self, board_t *board)
     uint32_t more = 1u;
 
     for (uint32_t i = 0u; (i < FIRMWARE_LINE_BYTES) && (more != 0u); ++i) {
-        const uint32_t sends = (uint32_t)(link->wire_sent < link->wire_count) & (uint32_t)(link->wire_sent < FRAME_WIRE);
+        uint32_t sends = 0u;
         uint32_t sent = 0u;
         uint8_t byte = 0u;
 
-        if (sends != 0u) {
+        if ((link->wire_sent < link->wire_count) && (link->wire_sent < FRAME_WIRE)) {
+            sends = 1u;
             sent = hysgen_board_line_write(board, &link->wire[link->wire_sent], 1u);
             link->wire_sent += sent;
         }

@@ -22,9 +22,10 @@ float hysgen_play_voltage(const play_t *self, uint32_t k)
 
 void hysgen_play_record(play_t *self, float y_um)
 {
-    const float read_um = number_limited(y_um, BOARD_LOW_UM, BOARD_HIGH_UM);
-    const float code = number_limited((read_um - BOARD_LOW_UM) * PLAY_PER_UM + 0.5f, 1.0f, PLAY_CODES);
+    /* Behind 2^23 the low bits of the sum are the nearest whole number: no conversion, which NaN would make undefined. */
+    const float code = number_limited((y_um - BOARD_LOW_UM) * PLAY_PER_UM, 1.0f, PLAY_CODES);
+    const uint32_t nearest = number_bits(code + 8388608.0f) & 0xFFFFu;
 
-    self->words[self->done & (BOARD_RECORD - 1u)] = (uint16_t)((number_finite(y_um) != 0u) ? (uint32_t)code : PLAY_NONE);
+    self->words[self->done & (BOARD_RECORD - 1u)] = (uint16_t)((number_finite(y_um) != 0u) ? nearest : PLAY_NONE);
     self->done += 1u;
 }

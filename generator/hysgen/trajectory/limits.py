@@ -105,7 +105,7 @@ def clipped(u_V: Floats, limits: Limits, Ts_s: float) -> Floats:
 def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored: slice) -> tuple[Floats, Floats]:
     """A voltage inside its limits with the least largest error along y, (n + 1,), and the answer of the model to it.
 
-    u_V: (n,) of the exact inverse. The error counts on the rows `scored`, and is never worse than the clipped voltage's.
+    u_V: (n,) of the exact inverse. On the rows `scored`, where the error counts, never worse than the clipped voltage.
     """
     delay = sum(block.preview for block in model.blocks)
     volts = clipped(u_V, limits, model.Ts_s)
