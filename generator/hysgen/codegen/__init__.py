@@ -101,14 +101,14 @@ def _require_resolution(model: Model) -> None:
 
 
 def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
-    """Raise CertificateError if the inverse in float32 misses by more than MOST_MISSED of its range."""
-    whole = model.u_max_V - model.u_min_V
-    off, unit = errors.inverse_V, "V"
-    if model.responds:
-        off, whole, unit = errors.predict_of_inverse_um, model.grid.y_max_um - model.grid.y_min_um, "um"
-    if off > MOST_MISSED * whole:
+    """Raise CertificateError if the inverse in float32 misses by more than MOST_MISSED of its range.
+
+    Not of a path that responds: its error is that of a displacement, on commands that light modes cannot follow.
+    """
+    off, whole_V = errors.inverse_V, model.u_max_V - model.u_min_V
+    if not model.responds and off > MOST_MISSED * whole_V:
         raise CertificateError(
-            f"{model.name}: the inverse in float32 is off by up to {off:.3g} {unit} of {whole:.3g} {unit}: its range "
+            f"{model.name}: the inverse in float32 is off by up to {off:.3g} V of {whole_V:.3g} V: its range "
             "of displacement is too narrow; widen it (generate --displacement-range), or generate without the inverse"
         )
 
