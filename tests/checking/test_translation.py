@@ -17,7 +17,7 @@ from fixtures.tools import library
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.random_models import complete_model, random_model
 from hysgen.checking.proof.translation import Translation, translation
-from hysgen.checking.symbolic import equivalence
+from hysgen.checking.symbolic import solver
 from hysgen.checking.symbolic.arrays import Symbols, traced
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.equivalence import SAMPLES, Sweep
@@ -178,7 +178,7 @@ def test_a_fault_of_the_reference_is_seen(
 
 
 def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(equivalence, "SOLVER", "no_such_module")
+    monkeypatch.setattr(solver, "SOLVER", "no_such_module")
     folder = shipped("appendix_a")
     result = translation(folder.model, folder.texts, calls=["predict"])
     (proof,) = result.functions

@@ -27,9 +27,10 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
 from hysgen.checking.symbolic.arrays import Symbols, coerced, traced, with_symbols
 from hysgen.checking.symbolic.dataflow import Graph, Op
-from hysgen.checking.symbolic.equivalence import SAMPLES, SOLVER, Sweep
+from hysgen.checking.symbolic.equivalence import SAMPLES, Sweep
 from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.from_c import Decision, outcome
+from hysgen.checking.symbolic.solver import SOLVER
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen.structs import Interface, interface_of
 from hysgen.float32.coefficients import Bank, coefficients, commit_numbers

@@ -1,0 +1,139 @@
+"""Whether any input tells two operations of a graph apart: Bitwuzla over 32-bit words, floats of free rounding.
+
+Sums and products of floats are free variables to the solver: it decides selections, comparisons and bits, and equality
+holds for whatever rounding the processor has. Comparisons of floats are those of IEEE 754.
+"""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+from collections.abc import Sequence
+from typing import Any, Final
+
+from hysgen.checking.symbolic.dataflow import Op
+from hysgen.checking.symbolic.semantics import MASK
+
+SOLVER: Final = "bitwuzla"
+SOLVER_MS: Final = 60_000
+_INFINITY: Final = 0x7F80_0000
+_FREE: Final = frozenset(["addsp", "subsp", "mpysp", "intspu", "element", "symbol", "param"])
+
+
+class Solver:
+    """Bitwuzla over 32-bit words; a float operation is a variable."""
+
+    def __init__(self, library: Any) -> None:
+        self._b = library
+        self._terms: Any = library.TermManager()
+        options = library.Options()
+        options.set(library.Option.TIME_LIMIT_PER, SOLVER_MS)
+        self._solver = library.Bitwuzla(self._terms, options)
+        self._word = self._terms.mk_bv_sort(32)
+        self._of: dict[int, Any] = {}
+        self._facts: dict[int, list[Op]] = {}
+
+    @classmethod
+    def installed(cls) -> Solver | None:
+        try:
+            return cls(importlib.import_module(SOLVER))
+        except ImportError:
+            return None
+
+    def know(self, facts: Sequence[Op]) -> None:
+        """Use these truths wherever their variables occur, and the order of sums and differences."""
+        for fact in facts:
+            for op in variables(fact):
+                self._facts.setdefault(id(op), []).append(fact)
+
+    def equal(self, a: Op, b: Op) -> bool:
+        """Whether no value of the variables tells a and b apart."""
+        zero = self._terms.mk_bv_value(self._word, 0)
+        self._solver.push(1)
+        if self._facts:
+            sums = [op for op in variables(a, b) if op.kind in ("addsp", "subsp")]
+            met = variables(a, b, *(arg for op in sums for arg in op.args))
+            for fact in {id(fact): fact for op in met for fact in self._facts.get(id(op), ())}.values():
+                self._solver.assert_formula(self._is_not(fact, zero))
+            for less, more in itertools.product(sums, sums):
+                if (less.kind, more.kind) == ("subsp", "addsp") and less.args[0] in more.args:
+                    self._solver.assert_formula(self._ordered(less, more))
+        self._solver.assert_formula(self._is_not(a, self._term(b)))
+        answer = self._solver.check_sat()
+        self._solver.pop(1)
+        return bool(answer == self._b.Result.UNSAT)
+
+    def _is_not(self, op: Op, other: Any) -> Any:
+        return self._terms.mk_term(self._b.Kind.DISTINCT, [self._term(op), other])
+
+    def _ordered(self, less: Op, more: Op) -> Any:
+        """a - b <= a + c for finite a, b >= 0 and c >= 0: rounding to nearest keeps the order of the exact results."""
+        make, kinds = self._terms.mk_term, self._b.Kind
+        added = more.args[1 - more.args.index(less.args[0])]
+        low, high, a, b, c = (self._float(self._term(op)) for op in (less, more, *less.args, added))
+        infinity, zero = (self._float(self._terms.mk_bv_value(self._word, bits)) for bits in (_INFINITY, 0))
+        finite = [make(kinds.FP_LT, [make(kinds.FP_ABS, [term]), infinity]) for term in (a, b, c)]
+        holds = make(kinds.AND, [*finite, make(kinds.FP_GEQ, [b, zero]), make(kinds.FP_GEQ, [c, zero])])
+        return make(kinds.IMPLIES, [holds, make(kinds.FP_LEQ, [low, high])])
+
+    def _float(self, word: Any) -> Any:
+        return self._terms.mk_term(self._b.Kind.FP_TO_FP_FROM_BV, [word], [8, 24])
+
+    def _term(self, op: Op) -> Any:
+        pending = [op]
+        while pending:
+            top = pending[-1]
+            missing = [] if top.kind in _FREE else [arg for arg in top.args if id(arg) not in self._of]
+            if missing:
+                pending += missing
+                continue
+            pending.pop()
+            if id(top) not in self._of:
+                self._of[id(top)] = self._made(top)
+        return self._of[id(op)]
+
+    def _made(self, op: Op) -> Any:
+        make, kinds = self._terms.mk_term, self._b.Kind
+        if op.kind == "const":
+            return self._terms.mk_bv_value(self._word, op.number & MASK)
+        if op.kind in _FREE:
+            return self._terms.mk_const(self._word, f"v{len(self._of)}")
+        a = [self._of[id(arg)] for arg in op.args]
+        match op.kind:
+            case "select":
+                zero = self._terms.mk_bv_value(self._word, 0)
+                return make(kinds.ITE, [make(kinds.DISTINCT, [a[0], zero]), a[1], a[2]])
+            case "cmpeqsp" | "cmpgtsp" | "cmpltsp":
+                floats = [self._float(self._term(arg)) for arg in op.args]
+                name = {"cmpeqsp": kinds.FP_EQUAL, "cmpgtsp": kinds.FP_GT, "cmpltsp": kinds.FP_LT}[op.kind]
+                return self._number(make(name, floats))
+            case "cmpeq" | "cmpgtu" | "cmpltu":
+                name = {"cmpeq": kinds.EQUAL, "cmpgtu": kinds.BV_UGT, "cmpltu": kinds.BV_ULT}[op.kind]
+                return self._number(make(name, a))
+        name = {
+            "add": kinds.BV_ADD,
+            "sub": kinds.BV_SUB,
+            "mpy32": kinds.BV_MUL,
+            "and": kinds.BV_AND,
+            "or": kinds.BV_OR,
+            "xor": kinds.BV_XOR,
+            "shl": kinds.BV_SHL,
+            "shru": kinds.BV_SHR,
+        }[op.kind]
+        return make(name, a)
+
+    def _number(self, truth: Any) -> Any:
+        yes, no = (self._terms.mk_bv_value(self._word, number) for number in (1, 0))
+        return self._terms.mk_term(self._b.Kind.ITE, [truth, yes, no])
+
+
+def variables(*ops: Op) -> list[Op]:
+    """The operations that are variables to the solver and that it meets first on the way down from `ops`."""
+    seen: dict[int, Op] = {}
+    pending = list(ops)
+    while pending:
+        top = pending.pop()
+        if id(top) not in seen:
+            seen[id(top)] = top
+            pending += () if top.kind in _FREE else top.args
+    return [op for op in seen.values() if op.kind in _FREE]
