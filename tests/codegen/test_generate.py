@@ -142,9 +142,7 @@ def test_singular_inverse_is_refused_with_place_and_value() -> None:
 def test_an_inverse_over_a_collapsed_range_is_refused_in_one_line() -> None:
     """One step of the input leaves a range of 0.3 um; of 1 um it does not."""
     collapsed = dataclasses.replace(load_model("appendix_a"), grid=Grid(2.0, 2.3, 6))
-    with pytest.raises(
-        CertificateError, match="off by up to 140 V of 140 V: its range of displacement is too"
-    ) as refused:
+    with pytest.raises(CertificateError, match="off by up to 140 V of 140 V: one sample of the input") as refused:
         generate(collapsed)
     assert "\n" not in str(refused.value)
     generate(collapsed, Options(inverse=False))

@@ -32,9 +32,15 @@ from hysgen_c674x.footprint import footprint
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 STRAIGHT = [
-    model if model.name != "everything" else dataclasses.replace(model, blocks=model.blocks[:3]) for model in MODELS
+    dataclasses.replace(model, blocks=model.blocks[:3], consequents=model.consequents * [1.0, 0.1, 1.0])
+    if model.name == "everything"
+    else model
+    for model in MODELS
 ]
-"""The same without the responses of the stage, whose loops stand once in the machine code and count many times."""
+"""The same without the responses of the stage, whose loops stand once in the machine code and count many times.
+
+The voltage, in place of what they make of it, must not leave the range of displacement in one sample.
+"""
 JITTER = 6
 """Most cycles by which a function may depend on the data: gcc makes a branch of the direction of the Newton steps."""
 FUNCTIONS = ("predict", "simulate", "inverse")

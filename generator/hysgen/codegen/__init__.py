@@ -108,8 +108,8 @@ def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
     off, whole_V = errors.inverse_V, model.u_max_V - model.u_min_V
     if not model.responds and off > MOST_MISSED * whole_V:
         raise CertificateError(
-            f"{model.name}: the inverse in float32 is off by up to {off:.3g} V of {whole_V:.3g} V: its range "
-            "of displacement is too narrow; widen it (generate --displacement-range), or generate without the inverse"
+            f"{model.name}: the inverse in float32 is off by up to {off:.3g} V of {whole_V:.3g} V: one sample of "
+            "the input leaves its range of displacement; fit it over a wider one, or generate without the inverse"
         )
 
 
