@@ -68,9 +68,10 @@ def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int) -> No
 
 @pytest.mark.slow
 @pytest.mark.proof
-def test_a_learner_and_its_commit_are_proved_for_every_input() -> None:
-    """In every case of the truths that the C branches on: half a minute of one core."""
-    model = sized(6)
+@pytest.mark.parametrize("parameters", [6, 18, 24])
+def test_a_learner_and_its_commit_are_proved_for_every_input(parameters: int) -> None:
+    """In every case of the truths that the C branches on: 10, 40 and 70 s of one core."""
+    model = sized(parameters)
     result = translation(model, texts_of(model), calls=LEARNING)
     assert proved(result) == dict.fromkeys(LEARNING, True), result.lines()
     learn = next(proof for proof in result.functions if proof.function == "learn")

@@ -10,7 +10,9 @@ Source of the method: Kuehlmann, Krohm, Equivalence checking using cuts and heap
 
 from __future__ import annotations
 
+import functools
 import itertools
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -22,6 +24,7 @@ from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.from_c import Decision
 from hysgen.checking.symbolic.normal_form import rebuilt
 from hysgen.checking.symbolic.solver import Solver, variables
+from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.checking.symbolic.vectors import COMPUTED, Words
 
 SAMPLES: Final = 512
@@ -35,12 +38,15 @@ MOST_SPLIT: Final = 7
 _SOLVED: Final = frozenset(["select", "cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp", "and", "or", "xor"])
 
 
-@dataclass
+@dataclass(frozen=True)
 class Case:
-    """A case of two programs. decided: by the id of a representative, its truth; of: representatives in this case."""
+    """A case of two programs: truths by the id of their representative. known, true: sets of bits, one for each truth.
+    of: what an operation becomes, and the set of the truths on which that depends.."""
 
     decided: Mapping[int, int]
-    of: dict[int, Op] = field(default_factory=dict)
+    known: int = 0
+    true: int = 0
+    of: dict[int, tuple[Op, int]] = field(default_factory=dict)
 
 
 def _atom(condition: Op) -> Op:
@@ -84,6 +90,9 @@ class Sweep:
     _alike: dict[bytes, list[Op]] = field(default_factory=dict)
     _side: dict[int, int] = field(default_factory=dict)
     _held: list[Op] = field(default_factory=list)
+    _bit: dict[int, int] = field(default_factory=dict)
+    _below: dict[int, int] = field(default_factory=dict)
+    _restrictions: dict[int, dict[int, dict[tuple[int, int], Op]]] = field(default_factory=dict)
     _solver: Solver | None = None
 
     def __post_init__(self) -> None:
@@ -108,27 +117,48 @@ class Sweep:
         return whole if case is None or not case.decided else self._restricted(whole, case)
 
     def _restricted(self, op: Op, case: Case) -> Op:
-        """A representative with the truths of a case in place of its conditions."""
+        """A representative with the truths of a case in place of its conditions.
+
+        What it becomes depends on the truths that were met on the way alone, so most of a case is known from others.
+        """
         pending, known, begun = [op], case.of, set[int]()
         while pending:
             top = pending[-1]
             begun.add(id(top))
-            missing = [arg for arg in top.args if id(arg) not in known]
             if id(top) in known:
                 pending.pop()
+            elif earlier := self._from_earlier_case(top, case):
+                known[id(top)] = earlier
             elif id(top) in case.decided:
-                known[id(top)] = self._placed(self.graph.const(case.decided[id(top)]))
-            elif missing:
+                known[id(top)] = self._placed(self.graph.const(case.decided[id(top)])), self._below[id(top)]
+            elif missing := [arg for arg in top.args if id(arg) not in known]:
                 pending += missing
             else:
-                args = [known[id(arg)] for arg in top.args]
+                args = [known[id(arg)][0] for arg in top.args]
                 same = all(new is old for new, old in zip(args, top.args, strict=True))
                 new = top if same else self._placed(rebuilt(self.graph, top, args))
                 if same or id(new) in known or id(new) in begun:
-                    known[id(top)] = known.get(id(new), new)
+                    result, met = known.get(id(new), (new, self._below[id(new)]))
+                    for arg in top.args:
+                        met |= known[id(arg)][1]
+                    met |= self._below[id(top)]
+                    known[id(top)] = result, met
+                    table = self._restrictions.setdefault(id(top), {}).setdefault(met, {})
+                    table[case.known & met, case.true & met] = result
                 else:
                     pending.append(new)
-        return known[id(op)]
+        return known[id(op)][0]
+
+    def _from_earlier_case(self, op: Op, case: Case) -> tuple[Op, int] | None:
+        """What an operation became in a case with the same truths, and the truths on which that depends."""
+        if not self._below[id(op)] & case.known:
+            return op, self._below[id(op)]
+        tables = self._restrictions.get(id(op), {})
+        for met in reversed(tables):
+            if result := tables[met].get((case.known & met, case.true & met)):
+                tables[met] = tables.pop(met)  # the next case is like this one
+                return result, met
+        return None
 
     def pairs(self, programs: Sequence[tuple[Op, Op]], case: Case | None = None) -> list[tuple[Op, Op]]:
         """Representatives of the results of two programs, pair by pair."""
@@ -141,7 +171,10 @@ class Sweep:
     def cases(self, decisions: Sequence[Decision], decided: Mapping[int, int] | None = None) -> Iterator[Case]:
         """All cases of the truths on which the decisions of the first program depend."""
         self.side = 0
-        case = Case(decided or {})
+        bits = {key: self._bit[key] for key in decided or {}}
+        case = Case(
+            decided or {}, sum(bits.values()), sum(bits[key] for key, truth in (decided or {}).items() if truth)
+        )
         for place, decision in enumerate(decisions):
             around = [(self.representative(op, case), side) for op, side in decision.around]
             if any(op.kind == "const" and bool(op.number) != side for op, side in around):
@@ -149,6 +182,8 @@ class Sweep:
             condition = self.representative(decision.condition, case)
             if condition.kind != "const":
                 atom = _atom(condition)
+                if not atom.truth:
+                    raise KernelRefusalError(f"a branch on a word, {atom.kind}, that is not 0 or 1")
                 for truth in (0, 1):
                     yield from self.cases(decisions[place:], {**case.decided, **_decided(atom, truth)})
                 return
@@ -184,6 +219,10 @@ class Sweep:
         args = [self._merged[id(arg)] for arg in op.args]
         if any(new is not old for new, old in zip(args, op.args, strict=True)):
             return self._placed(rebuilt(self.graph, op, args))
+        below = [self._below[id(arg)] for arg in args]
+        if op.kind != "const" and op.truth:
+            below.append(self._bit.setdefault(id(op), 1 << len(self._bit)))
+        self._below[id(op)] = functools.reduce(operator.or_, below, 0)
         bits = self._values[id(op)] = self._computed(op)
         alike = self._alike.setdefault(bits.tobytes(), [])
         if self._solver is not None and op.kind in _SOLVED and self.asked < MOST_ASKED and self._worth_asking(op):
@@ -204,8 +243,10 @@ class Sweep:
 
     def _worth_asking(self, op: Op) -> bool:
         """With cases: whether the samples exercise it. A condition that they never meet is decided by a case."""
+        if not self.by_cases:
+            return True
         moving = self._values[id(op.args[0] if op.kind == "select" else op)]
-        return not self.by_cases or bool(moving.min() < moving.max())
+        return op.kind != "or" and bool(moving.min() < moving.max())  # a disjunction: many alike, and one form each
 
     def _computed(self, op: Op) -> Words:
         inputs = [self._values[id(arg)] for arg in op.args]

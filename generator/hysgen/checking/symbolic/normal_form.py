@@ -10,7 +10,7 @@ from typing import Final
 
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.expressions import negated
-from hysgen.checking.symbolic.semantics import MASK
+from hysgen.checking.symbolic.semantics import MASK, from_image
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.checking.symbolic.vectors import COMPUTED
 
@@ -29,6 +29,19 @@ def _is_negative(op: Op) -> bool:
     return op.kind == "xor" and op.args[1].kind == "const" and op.args[1].number == _SIGN
 
 
+def _is_clamp(below: Op, low: Op, rest: Op) -> bool:
+    """Whether x is limited to constants low <= high from below first: from above first, it is the same number."""
+    if (below.kind, rest.kind) != ("cmpltsp", "select") or rest.args[0].kind != "cmpltsp":
+        return False
+    (above, high, x), ends = rest.args, (low, rest.args[1])
+    return (
+        below.args == (x, low)
+        and above.args == (high, x)
+        and all(end.kind == "const" for end in ends)
+        and from_image(low.number) <= from_image(high.number)
+    )
+
+
 def rebuilt(graph: Graph, op: Op, args: Sequence[Op]) -> Op:
     """The operation of the kind of `op` with these operands, in its normal form. Raises KernelRefusalError."""
     match op.kind:
@@ -38,6 +51,9 @@ def rebuilt(graph: Graph, op: Op, args: Sequence[Op]) -> Op:
             return graph.param(op.number)
         case "symbol":
             return graph.symbol(op.name, op.truth)
+        case "select" if _is_clamp(*args):
+            (below, low, above), x = (*args[:2], args[2].args[0]), args[2].args[2]
+            return graph.select(above, args[2].args[1], graph.select(below, low, x))
         case "select":
             return graph.select(*args)
         case "element":
