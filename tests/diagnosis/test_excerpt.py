@@ -11,7 +11,7 @@ from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, remembered
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
-from hysgen.machine.kernels import play_operators
+from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew

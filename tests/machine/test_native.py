@@ -20,7 +20,7 @@ from hysgen.diagnosis import diagnose
 from hysgen.errors import BuildError, HysgenError
 from hysgen.fitting import fit
 from hysgen.machine import files
-from hysgen.machine.kernels import lag_of_signals, lag_states, lag_sums
+from hysgen.machine.kernels.operators import lag_of_signals, lag_states, lag_sums
 from hysgen.machine.native import Toolchain, build
 from hysgen.machine.threads import THREAD, in_threads
 from hysgen.record import Record

@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels import PreisachBasis, play_operators, preisach_columns, preisach_path
+from hysgen.machine.kernels.operators import PreisachBasis, play_operators, preisach_columns, preisach_path
 from hysgen.model.path.hysteresis import FROZEN, RELAXED
 
 Floats = NDArray[np.float64]

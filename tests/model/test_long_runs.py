@@ -10,7 +10,7 @@ import pytest
 
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
-from hysgen.machine.kernels import lag_states, mode_states
+from hysgen.machine.kernels.operators import lag_states, mode_states
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock

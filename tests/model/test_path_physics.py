@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hysgen.errors import ModelError
-from hysgen.machine.kernels import mode_states
+from hysgen.machine.kernels.operators import mode_states
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import InputBlock
 from hysgen.model.path.creep import Creep

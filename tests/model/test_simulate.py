@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fixtures.random_models import TS_S, lag_record, random_drive, random_model
 from hysgen.errors import RecordError
-from hysgen.machine.kernels import rule_rows
+from hysgen.machine.kernels.run import rule_rows
 from hysgen.model.disturbances import Drive
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic

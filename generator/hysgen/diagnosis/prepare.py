@@ -25,7 +25,7 @@ from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
 from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
-from hysgen.machine.kernels import lag_states, play_operators
+from hysgen.machine.kernels.operators import lag_states, play_operators
 from hysgen.record import Record, Segment
 from hysgen.record.checks import at_end
 from hysgen.record.series import first_covering

@@ -22,7 +22,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels import PreisachBasis, duhem_columns, play_operators, preisach_columns, preisach_path
+from hysgen.machine.kernels.operators import (
+    PreisachBasis,
+    duhem_columns,
+    play_operators,
+    preisach_columns,
+    preisach_path,
+)
 from hysgen.model.path.hysteresis import Hysteresis, largest_play
 
 Floats = NDArray[np.float64]
@@ -203,7 +209,7 @@ class Operator:
 
 
 MOST_PLAYS = 64
-"""Plays of an operator at most, a limit of the compiled kernel (`machine.kernels.preisach_columns`)."""
+"""Plays of an operator at most, a limit of the compiled kernel (`machine.kernels.operators.preisach_columns`)."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import FitError
-from hysgen.machine.kernels import play_operators
+from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.scores import Score, score_prediction
 from hysgen.record import Record
 

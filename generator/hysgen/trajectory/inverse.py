@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from hysgen.errors import ModelError
-from hysgen.machine.kernels import hysteresis_inverse
+from hysgen.machine.kernels.operators import hysteresis_inverse
 from hysgen.model.model import Model
 from hysgen.model.path.base import InputBlock, StateSpace
 from hysgen.model.path.delay import Delay

@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.linalg import solveh_banded
 
 from hysgen.certify.enclosure import slope
-from hysgen.machine.kernels import slew_limited
+from hysgen.machine.kernels.operators import slew_limited
 from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.path.hysteresis import Hysteresis

@@ -14,7 +14,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit
 from hysgen.fitting.operator import PathSize
 from hysgen.fitting.refit import loop_frequencies, loop_width
-from hysgen.machine.kernels import play_operators
+from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.model import Model
 from hysgen.record.excitation import Excitation
 from hysgen.record.series import turning_rows

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from hysgen.machine.kernels import Branch, LinearPart, linear_response, linear_response_rows
+from hysgen.machine.kernels.operators import Branch, LinearPart, linear_response, linear_response_rows
 from hysgen.model.chain_part import Extent, Mode, Part, ShapeParameter, SlowStates
 
 Floats = NDArray[np.float64]

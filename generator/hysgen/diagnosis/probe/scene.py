@@ -13,7 +13,7 @@ from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned, lagged, respond
 from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache, Steps
-from hysgen.machine.kernels import lag_sums
+from hysgen.machine.kernels.operators import lag_sums
 from hysgen.model.chain_part import Extent, Part
 
 Floats = NDArray[np.float64]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -14,32 +15,38 @@ from numpy.typing import NDArray
 from hysgen.machine.kernel_build import OPTIMISATION, library_name
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
+ENTRY = re.compile(r"^(?:WIDEST )?((?:void|int64_t) hysgen_\w+\([^)]*\))(?=\s*\{)", re.MULTILINE)
+"""Head of a function that Python calls, up to its body."""
+
 
 @functools.lru_cache(maxsize=32)
-def kernel(file: str, declarations: str, *headers: str) -> Library:
-    """The library of `file` and the `headers` that it includes: the one of the wheel, or else compiled here.
+def kernel(file: str) -> Library:
+    """The library of `file` and the headers that it includes: the one of the wheel, or else compiled here.
 
     Raises BuildError if there is neither a library nor a compiler.
     """
     folder = Path(str(resources.files(__package__)))
+    text = (folder / file).read_text(encoding="utf-8")
+    declarations = "".join(f"{head};\n" for head in ENTRY.findall(text))
     shipped = folder / library_name(folder)
     if shipped.exists():
         ffi = FFI()
         ffi.cdef(declarations)
         return Library(ffi, ffi.dlopen(str(shipped)), shipped)
-    sources = [(name, (folder / name).read_text(encoding="utf-8")) for name in (file, *headers)]
-    return build(sources, declarations, Toolchain(default_toolchain().command, OPTIMISATION))
+    headers = [(name, (folder / name).read_text(encoding="utf-8")) for name in re.findall(r'#include "(.+)"', text)]
+    return build([(file, text), *headers], declarations, Toolchain(default_toolchain().command, OPTIMISATION))
 
 
 POINTERS = {np.dtype(np.float64): "double *", np.dtype(np.int64): "int64_t *", np.dtype(np.uintp): "size_t *"}
 """Pointers that a kernel takes, by the type of the array."""
 
 
-def call(library: Library, function: str, *arguments: Any) -> Any:
+def call(file: str, function: str, *arguments: Any) -> Any:
     """Call a function of a kernel. An array is passed as a pointer into it, without a copy: the kernel may write to it.
 
     Raises ValueError for an array that is not C-contiguous, or of another type than in POINTERS.
     """
+    library = kernel(file)
     return getattr(library.lib, function)(
         *(_pointer(library, value) if isinstance(value, np.ndarray) else value for value in arguments)
     )

@@ -5,29 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import call, kernel
+from hysgen.machine.kernels.compiled import call
 
 Floats = NDArray[np.float64]
-
-_RLS = """
-void hysgen_rls(size_t samples, size_t size, const double *regressors, const double *target, double lambda, double *q,
-                double *P, double *work);
-"""
-_TRIANGULAR = """
-void hysgen_triangular(size_t rows, size_t size, double *R, double *A, double *work);
-"""
-_INNOVATION = """
-void hysgen_gains(size_t samples, const double *keep, const double *observed, double misfit, double noise, double *gain,
-                  double *variance);
-void hysgen_innovations(size_t rows, size_t samples, const double *keep, const double *gain, const double *weight,
-                        double *z);
-"""
 
 
 def rls_updates(regressors: Floats, target: Floats, forgetting: float, q: Floats, P: Floats) -> None:
     """One update by Eq. (10) per row. regressors: (n, p); target: (n,); q (p,), P (p, p): updated in place."""
-    library = kernel("rls.c", _RLS)
-    call(library, "hysgen_rls", target.size, q.size, regressors, target, forgetting, q, P, np.empty(2 * q.size))
+    call("rls.c", "hysgen_rls", target.size, q.size, regressors, target, forgetting, q, P, np.empty(2 * q.size))
 
 
 def triangularise(factor: Floats, rows: Floats) -> None:
@@ -36,9 +21,8 @@ def triangularise(factor: Floats, rows: Floats) -> None:
     factor: R, (m, m) upper triangular, updated in place; rows: (n, m), overwritten. Unlike LAPACK's, the result does
     not depend on the number of threads.
     """
-    library = kernel("triangular.c", _TRIANGULAR)
     size = len(factor)
-    call(library, "hysgen_triangular", len(rows), size, factor, rows, np.empty(size))
+    call("triangular.c", "hysgen_triangular", len(rows), size, factor, rows, np.empty(size))
 
 
 def innovation_gains(keep: Floats, observed: Floats, misfit: float, noise: float) -> tuple[Floats, Floats]:
@@ -48,16 +32,14 @@ def innovation_gains(keep: Floats, observed: Floats, misfit: float, noise: float
 
     keep: (n,) 0 to 1; observed: (n,) 1 where z(k) is measured, else 0; misfit, noise: variances of m and of the noise.
     """
-    library = kernel("innovation.c", _INNOVATION)
     gain, variance = np.empty(keep.size), np.empty(keep.size)
-    call(library, "hysgen_gains", keep.size, keep, observed, misfit, noise, gain, variance)
+    call("innovation.c", "hysgen_gains", keep.size, keep, observed, misfit, noise, gain, variance)
     return gain, variance
 
 
 def innovations(signals: Floats, keep: Floats, gain: Floats, variance: Floats) -> Floats:
     """Innovations of each row of `signals`, (rows, n), over their standard deviations; gain, variance: (n,) each."""
-    library = kernel("innovation.c", _INNOVATION)
     out = np.array(signals, dtype=np.float64, order="C")
     weight = 1.0 / np.sqrt(variance)
-    call(library, "hysgen_innovations", *out.shape, keep, gain, weight, out)
+    call("innovation.c", "hysgen_innovations", *out.shape, keep, gain, weight, out)
     return out

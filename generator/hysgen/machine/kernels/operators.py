@@ -9,33 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import call, kernel
-from hysgen.machine.native import Library
+from hysgen.machine.kernels.compiled import call
 
 Floats = NDArray[np.float64]
 
-_STATES = """
-void hysgen_play(size_t samples, size_t plays, const double *u, const double *half_width, double *state, double *out);
-void hysgen_lags(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
-void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const int64_t *rows,
-                        double *out);
-void hysgen_lag_sums(size_t samples, size_t lags, const double *u, const double *q, double *s, double *out);
-void hysgen_modes(size_t samples, size_t modes, const double *u, const double *q, double *state, double *out);
-void hysgen_slew(size_t samples, const double *u, double rise, double fall, double start, double *out);
-"""
-_RESPONSE = """
-void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *decay,
-                    const double *intake, size_t branches, const double *share, const size_t *order,
-                    const double *numerator, const double *denominator, long delay, size_t row, double *out);
-void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double creep,
-                         const double *decay, const double *intake, size_t branches, const double *share,
-                         const size_t *order, const double *numerator, const double *denominator, long delay,
-                         size_t count, const int64_t *rows, size_t row, size_t sample, double *out);
-"""
-_LOOP = """
-void hysgen_loop(size_t samples, size_t parts, size_t states, const double *y, const double *lam, const double *e,
-                 const double *shape, double *out);
-"""
 MOST_STATES, MOST_BRANCHES, MOST_ORDER = 64, 8, 4
 
 
@@ -44,10 +21,9 @@ def play_operators(u_V: Floats, half_width_V: Floats, initial_V: Floats) -> Floa
 
     u_V: (n,); half-widths r_j and initial_V, the z_j before the first sample: (m,). Returns (n, m) in V.
     """
-    library = kernel("states.c", _STATES)
     out = np.empty((u_V.size, half_width_V.size))
     state = np.array(initial_V, dtype=np.float64)
-    call(library, "hysgen_play", u_V.size, half_width_V.size, u_V, half_width_V, state, out)
+    call("states.c", "hysgen_play", u_V.size, half_width_V.size, u_V, half_width_V, state, out)
     return out
 
 
@@ -56,10 +32,9 @@ def lag_states(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
 
     u_V: (n,); rates a_j, start_V s_j(0): (m,). Returns (n, m): row k holds s_j(k), before u(k) acts.
     """
-    library = kernel("states.c", _STATES)
     u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
     out = np.empty((u.size, q.size))
-    call(library, "hysgen_lags", u.size, q.size, u, q, s, out)
+    call("states.c", "hysgen_lags", u.size, q.size, u, q, s, out)
     return out
 
 
@@ -71,19 +46,17 @@ def lag_of_signals(signals: Floats, rate: float, rows: NDArray[np.intp]) -> Floa
     """
     if len(rows) and not (rows[0] >= 0 and rows[-1] < signals.shape[1] and bool((np.diff(rows) > 0).all())):
         raise ValueError("the rows must rise within the samples of the signals")
-    library = kernel("states.c", _STATES)
     u, chosen = np.ascontiguousarray(signals, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.int64)
     out = np.empty((len(u), len(chosen)))
-    call(library, "hysgen_lag_signals", *u.shape, u, rate, len(chosen), chosen, out)
+    call("states.c", "hysgen_lag_signals", *u.shape, u, rate, len(chosen), chosen, out)
     return out
 
 
 def lag_sums(u_V: Floats, rates: Floats, start_V: Floats) -> Floats:
     """(n,) the sum over j of `lag_states`, for u_V, (n,), rates and start_V, (m,)."""
-    library = kernel("states.c", _STATES)
     u, q, s = (np.ascontiguousarray(x, dtype=np.float64) for x in (u_V, rates, np.array(start_V)))
     out = np.empty(u.size)
-    call(library, "hysgen_lag_sums", u.size, q.size, u, q, s, out)
+    call("states.c", "hysgen_lag_sums", u.size, q.size, u, q, s, out)
     return out
 
 
@@ -93,11 +66,10 @@ def mode_states(u_V: Floats, steps: NDArray[np.complex128], start: Floats) -> Fl
     u_V: (n,); steps q_j: (m,) complex; start: (2 m,) position and velocity of each mode at k = 0. Returns (n, 2 m) in
     the same order: row k holds the state before u(k) acts.
     """
-    library = kernel("states.c", _STATES)
     pairs = np.ascontiguousarray(steps, dtype=np.complex128).view(np.float64)
     u, c = np.ascontiguousarray(u_V, dtype=np.float64), np.array(start, dtype=np.float64)
     out = np.empty((u.size, pairs.size))
-    call(library, "hysgen_modes", u.size, pairs.size // 2, u, pairs, c, out)
+    call("states.c", "hysgen_modes", u.size, pairs.size // 2, u, pairs, c, out)
     return out
 
 
@@ -108,7 +80,7 @@ def loop_states(y: Floats, parts: int, pole: Floats, force: Floats, shape: Float
     """
     arrays = [np.ascontiguousarray(values, dtype=np.float64) for values in (y, pole, force, shape)]
     out = np.empty((y.size, 1 + len(shape)))
-    call(kernel("loop.c", _LOOP), "hysgen_loop", y.size, parts, len(shape), *arrays, out)
+    call("loop.c", "hysgen_loop", y.size, parts, len(shape), *arrays, out)
     return out
 
 
@@ -117,10 +89,9 @@ def slew_limited(u_V: Floats, rise_V: float, fall_V: float, start_V: float) -> F
 
     u_V: (n,); rise_V, fall_V: largest steps up and down in one sample; start_V: v before the first sample.
     """
-    library = kernel("states.c", _STATES)
     u = np.ascontiguousarray(u_V, dtype=np.float64)
     out = np.empty(u.size)
-    call(library, "hysgen_slew", u.size, u, rise_V, fall_V, start_V, out)
+    call("states.c", "hysgen_slew", u.size, u, rise_V, fall_V, start_V, out)
     return out
 
 
@@ -166,11 +137,11 @@ def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) 
     Before the record the input rested at h(0). Raises ValueError if `out` has the wrong shape.
     """
     columns, samples = h.shape
-    if out.ndim != 2 or len(out) != columns or not 0 <= first <= out.shape[1] - samples:
+    fits = out.ndim == 2 and len(out) == columns and 0 <= first <= out.shape[1] - samples
+    if not fits or not out.flags.c_contiguous:
         raise ValueError("the result needs a row for each row of h, and room for its samples")
-    library = kernel("response.c", _RESPONSE)
-    with_h = _response_arguments(library, h, linear)
-    call(library, "hysgen_respond", *with_h, out.shape[1], library.ffi.from_buffer("double *", out) + first)
+    with_h = _response_arguments(h, linear)
+    call("response.c", "hysgen_respond", *with_h, out.shape[1], out.reshape(-1)[first:])
 
 
 def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64]) -> Floats:
@@ -182,14 +153,13 @@ def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64])
     if len(rows) and not (rows[0] >= 0 and rows[-1] < samples and bool((np.diff(rows) > 0).all())):
         raise ValueError("the rows must rise within the samples of h")
     out = np.empty((len(rows), columns))
-    library = kernel("response.c", _RESPONSE)
-    with_h = _response_arguments(library, h, linear)
+    with_h = _response_arguments(h, linear)
     chosen = np.ascontiguousarray(rows, dtype=np.int64)
-    call(library, "hysgen_respond_rows", *with_h, len(rows), chosen, 1, columns, out)
+    call("response.c", "hysgen_respond_rows", *with_h, len(rows), chosen, 1, columns, out)
     return out.T
 
 
-def _response_arguments(library: Library, h: Floats, linear: LinearPart) -> tuple[Any, ...]:
+def _response_arguments(h: Floats, linear: LinearPart) -> tuple[Any, ...]:
     """The C arguments that describe h and `linear`."""
     branches = linear.branches
     orders = np.array([len(branch.numerator) - 1 for branch in branches], dtype=np.uintp)
@@ -211,22 +181,6 @@ def _response_arguments(library: Library, h: Floats, linear: LinearPart) -> tupl
         coefficients[1],
         linear.delay,
     )
-
-
-_PREISACH = """
-void hysgen_preisach(size_t samples, const double *v, size_t plays, const double *radius, double share, double *state,
-                     size_t hats, const double *hat, size_t curve, size_t degree, double *out);
-void hysgen_preisach_path(size_t samples, const double *v, size_t plays, const double *radius, double share,
-                          double *state, size_t curve, const double *terms, size_t degree, const double *play,
-                          double *out);
-void hysgen_duhem(size_t samples, const double *v, size_t states, const double *reach, double *out);
-void hysgen_hysteresis(size_t samples, const double *v, size_t terms, const double *curve, size_t plays, size_t degree,
-                       const double *radius, double share, const double *play, size_t states, const double *reach,
-                       const double *duhem, double *state, double *out);
-void hysgen_hysteresis_inverse(size_t samples, const double *wanted, size_t terms, const double *curve, size_t plays,
-                               size_t degree, const double *radius, double share, const double *play, size_t states,
-                               const double *reach, const double *duhem, double *state, double *out);
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,14 +207,13 @@ def preisach_columns(out: Floats, v: Floats, start: Floats, basis: PreisachBasis
     v: (n,); start: (m,) z_i before the first sample; out: (curve + degree * b, n), overwritten.
     Raises ValueError for more than 64 plays, for degree * b above 128, or if `out` has another shape.
     """
-    library = kernel("preisach.c", _PREISACH)
     (plays, hats), curve, degree = basis.hat.shape, basis.curve, basis.degree
     if plays > 64 or degree * hats > 128:
         raise ValueError("at most 64 plays, and 128 hats times powers")
     if out.shape != (curve + degree * hats, v.size):
         raise ValueError("the result needs a row for each polynomial, and for each power of each hat")
     call(
-        library,
+        "preisach.c",
         "hysgen_preisach",
         v.size,
         np.ascontiguousarray(v),
@@ -284,11 +237,10 @@ def preisach_path(v: Floats, start: Floats, basis: PreisachBasis, weights: Float
     plays, hats = basis.hat.shape
     if weights.shape != (basis.curve + basis.degree * hats,):
         raise ValueError("one weight for each polynomial, and for each power of each hat")
-    library = kernel("preisach.c", _PREISACH)
     of_plays = basis.hat @ weights[basis.curve :].reshape(basis.degree, hats).T
     out = np.empty(v.size)
     call(
-        library,
+        "preisach.c",
         "hysgen_preisach_path",
         v.size,
         np.ascontiguousarray(v),
@@ -311,10 +263,9 @@ def duhem_columns(out: Floats, v: Floats, reach: Floats) -> None:
     v: (n,); reach: (m,); out: (2 m, n), overwritten, rows d_1, d_1 |d_1|, d_2, ...
     Raises ValueError if `out` has another shape.
     """
-    library = kernel("preisach.c", _PREISACH)
     if out.shape != (2 * reach.size, v.size):
         raise ValueError("the result needs two rows for each reach")
-    call(library, "hysgen_duhem", v.size, np.ascontiguousarray(v), reach.size, np.ascontiguousarray(reach), out)
+    call("preisach.c", "hysgen_duhem", v.size, np.ascontiguousarray(v), reach.size, np.ascontiguousarray(reach), out)
 
 
 @dataclass(frozen=True, eq=False)
@@ -350,12 +301,11 @@ def hysteresis_inverse(series: HysteresisSeries, wanted: Floats, state: Floats) 
 
 
 def _along(function: str, series: HysteresisSeries, values: Floats, state: Floats) -> tuple[Floats, Floats]:
-    library = kernel("preisach.c", _PREISACH)
     after, out = np.array(state, dtype=np.float64), np.empty(values.size)
     arrays = (series.curve, series.half_width, series.plays, series.reach, series.duhem)
     curve, half_width, plays, reach, duhem = (np.ascontiguousarray(x, dtype=np.float64) for x in arrays)
     call(
-        library,
+        "preisach.c",
         function,
         values.size,
         np.ascontiguousarray(values, dtype=np.float64),

@@ -9,6 +9,7 @@
  */
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* One vector lane per column, because a recurrence cannot be vectorised along time. The vectors are GNU C (gcc, clang);
  * gcc selects wider ones at run time where the processor has them. Each lane computes as a scalar would: equal bits.
@@ -157,7 +158,7 @@ INLINE void block(const struct linear *linear, const size_t vectors, size_t n, s
  * rows 0: every sample, rows[i] = i. */
 struct written {
     size_t count;
-    const long long *rows;
+    const int64_t *rows;
     size_t row, sample;
 };
 
@@ -266,7 +267,7 @@ void hysgen_respond(size_t columns, size_t samples, const double *h, size_t stat
 void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double creep,
                          const double *decay, const double *intake, size_t branches, const double *share,
                          const size_t *order, const double *numerator, const double *denominator, long delay,
-                         size_t count, const long long *rows, size_t row, size_t sample, double *out)
+                         size_t count, const int64_t *rows, size_t row, size_t sample, double *out)
 {
     const struct linear linear = {states, creep, decay, intake, branches, share, order, numerator, denominator};
     const struct written written = {count, rows, row, sample};

@@ -8,33 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import call, kernel
-from hysgen.machine.native import Library
+from hysgen.machine.kernels.compiled import call
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-_RUN = """
-int64_t hysgen_free_run(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                        const double *w, double y0, double *out);
-int64_t hysgen_one_step(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                        const double *w, const double *measured, double *out);
-void hysgen_horizon(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                    const double *w, const double *held, const double *measured, size_t stride, size_t count,
-                    const int64_t *horizons, double *square, double *largest, int64_t *starts);
-void hysgen_regressors(size_t rules, const double *range, size_t samples, const double *u, const double *y,
-                       size_t columns, double *out);
-"""
-_SENSITIVITY = """
-int64_t hysgen_sensitivity(size_t rules, const double *range, const double *q, size_t samples, const double *u,
-                           const double *w, size_t extras, const double *extra, const double *measured,
-                           const double *trust, double *sensitivity, double *hessian, double *gradient, double *sums);
-"""
 
 
 @dataclass(frozen=True)
@@ -44,28 +25,23 @@ class Rules:
     range_um: tuple[float, float, float, float]
     consequents: Floats
 
-    def arguments(self, library: Library) -> tuple[Any, Any, Any]:
+    @property
+    def arguments(self) -> tuple[int, Floats, Floats]:
         """The first three C arguments: number of rules, range and consequents q."""
-        return (
-            len(self.consequents),
-            library.ffi.new("double[4]", list(self.range_um)),
-            np.ascontiguousarray(self.consequents),
-        )
+        return len(self.consequents), np.array(self.range_um), np.ascontiguousarray(self.consequents)
 
 
 def free_run(rules: Rules, u_V: Floats, w_um: Floats, y0_um: float) -> tuple[Floats, int]:
     """y(0) = y0, y(k+1) = f(y(k), u(k)) + w(k). u, w: (n,). Returns y (n,) and the number of clamped samples."""
-    library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
-    clamped = call(library, "hysgen_free_run", *rules.arguments(library), u_V.size, u_V, w_um, y0_um, out)
+    clamped = call("run.c", "hysgen_free_run", *rules.arguments, u_V.size, u_V, w_um, y0_um, out)
     return out, int(clamped)
 
 
 def one_step(rules: Rules, u_V: Floats, w_um: Floats, measured_um: Floats) -> tuple[Floats, int]:
     """out(0) = y(0), out(k+1) = f(y(k), u(k)) + w(k) measured y: (n,). Returns out and the number of clamped y."""
-    library = kernel("run.c", _RUN, "rules.h")
     out = np.empty_like(u_V)
-    clamped = call(library, "hysgen_one_step", *rules.arguments(library), u_V.size, u_V, w_um, measured_um, out)
+    clamped = call("run.c", "hysgen_one_step", *rules.arguments, u_V.size, u_V, w_um, measured_um, out)
     return out, int(clamped)
 
 
@@ -84,12 +60,11 @@ def horizon_errors(rules: Rules, inputs: HorizonInputs, stride: int, horizons: I
 
     Returns the sum of squares and the largest magnitude per horizon, and the number of starts.
     """
-    library = kernel("run.c", _RUN, "rules.h")
     square, largest, starts = np.zeros(horizons.size), np.zeros(horizons.size), np.zeros(1, dtype=np.int64)
     call(
-        library,
+        "run.c",
         "hysgen_horizon",
-        *rules.arguments(library),
+        *rules.arguments,
         inputs.u_V.size,
         inputs.u_V,
         inputs.w_um,
@@ -107,12 +82,11 @@ def horizon_errors(rules: Rules, inputs: HorizonInputs, stride: int, horizons: I
 
 def rule_rows(range_um: tuple[float, float, float, float], rules: int, y_um: Floats, u_V: Floats, out: Floats) -> None:
     """Write [p_1 y, p_1 u, p_1, p_2 y, ...] for every sample into the first 3 L columns of `out`, (n, >= 3 L)."""
-    library = kernel("run.c", _RUN, "rules.h")
     call(
-        library,
+        "run.c",
         "hysgen_regressors",
         rules,
-        library.ffi.new("double[4]", list(range_um)),
+        np.array(range_um),
         u_V.size,
         u_V,
         y_um,
@@ -159,13 +133,12 @@ def free_run_sums(
     u, w, measured, trust: (n,); extra: (n, E) further columns that enter y(k+1) directly. A sample of trust 0 is
     simulated but not scored. Parameters in the order of Model.parameters: p = 3 L + E.
     """
-    library = kernel("sensitivity.c", _SENSITIVITY, "rules.h")
     size = rules.consequents.size + extra.shape[1]
     hessian, gradient, sums = np.zeros((size, size)), np.zeros(size), np.zeros(2)
     clamped = call(
-        library,
+        "sensitivity.c",
         "hysgen_sensitivity",
-        *rules.arguments(library),
+        *rules.arguments,
         u_V.size,
         u_V,
         w_um,

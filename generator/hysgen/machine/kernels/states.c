@@ -9,6 +9,7 @@
  */
 
 #include <stddef.h>
+#include <stdint.h>
 
 void hysgen_play(size_t samples, size_t plays, const double *u, const double *half_width, double *state, double *out)
 {
@@ -40,7 +41,7 @@ enum { TOGETHER = 8 };
 /* One lag of several signals: out[l * count + i] is the state of signal l before its sample rows[i] acts; rows rising.
  * Signal l is u[l * samples ...]; s_l(0) = u_l(0). The recurrences of TOGETHER signals run side by side, because each
  * step of one waits for the step before it. Columns left over repeat the last signal. */
-void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const long long *rows,
+void hysgen_lag_signals(size_t signals, size_t samples, const double *u, double q, size_t count, const int64_t *rows,
                         double *out)
 {
     for (size_t first = 0; first < signals; first += TOGETHER) {

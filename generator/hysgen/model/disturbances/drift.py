@@ -21,7 +21,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels import lag_states
+from hysgen.machine.kernels.operators import lag_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.disturbances.base import Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.float32_arithmetic import KEPT, accumulate

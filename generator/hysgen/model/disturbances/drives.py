@@ -18,7 +18,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels import mode_states
+from hysgen.machine.kernels.operators import mode_states
 from hysgen.model.disturbances.base import Drive, Floats, Floats32, TermBox
 from hysgen.model.disturbances.coupling import ChannelMirror, Coupling
 from hysgen.model.float32_arithmetic import KEPT, accumulate

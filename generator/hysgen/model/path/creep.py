@@ -19,7 +19,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels import lag_states
+from hysgen.machine.kernels.operators import lag_states
 from hysgen.machine.reproducible import expm1, spectral_radius
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval

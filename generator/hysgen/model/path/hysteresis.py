@@ -33,7 +33,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from hysgen.machine.kernels import HysteresisSeries, hysteresis_path
+from hysgen.machine.kernels.operators import HysteresisSeries, hysteresis_path
 from hysgen.model.float32_arithmetic import KEPT
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock

@@ -34,7 +34,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.machine.kernels import HysteresisSeries
+from hysgen.machine.kernels.operators import HysteresisSeries
 from hysgen.machine.reproducible import total
 from hysgen.model.float32_arithmetic import LEAST, RECIPROCAL_SEED, accumulate, bits_of, float_of, flushed, power_of_two
 from hysgen.model.intervals import Interval

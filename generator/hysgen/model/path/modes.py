@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.machine.kernels import mode_states
+from hysgen.machine.kernels.operators import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
 from hysgen.model.chain_part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.float32_arithmetic import KEPT, accumulate

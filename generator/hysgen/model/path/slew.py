@@ -14,7 +14,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels import slew_limited
+from hysgen.machine.kernels.operators import slew_limited
 from hysgen.model.chain_part import ShapeParameter
 from hysgen.model.intervals import Interval
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
