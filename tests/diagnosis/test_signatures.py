@@ -85,6 +85,16 @@ def test_a_proposed_line_has_at_least_three_periods_in_each_quarter(periods: flo
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed
 
 
+@pytest.mark.parametrize("lag_s", [4e-3, 40e-3, 200e-3])
+def test_creep_starts_within_a_twentieth_of_the_record_or_right_behind_the_lag(lag_s: float) -> None:
+    """Behind three lags the stage still moves; what starts later than that shows in too few decades to be fitted."""
+    seen = scene(Chain(lag_s))
+    starts_s = [chain.of(CreepPart).from_s for chain in causes()["creep"].proposals(Residual(seen, refine(seen, LAG)))]
+    fastest_s = 3.0 * refine(seen, LAG).chain.lag_s
+    assert min(starts_s) == pytest.approx(fastest_s, rel=1e-9)
+    assert max(starts_s) == pytest.approx(max(fastest_s, 0.05 * SPAN_S), rel=1e-9)
+
+
 RINGS = LAG.having(Modes((40.0, 90.0), (0.03, 0.05), (-0.2, 0.3), 1.0))
 HUMS = LAG.having(Periodic((50.0, 120.0)))
 HUMS_UM = 0.010 * np.sin(100.0 * np.pi * T_S) + 0.004 * np.cos(240.0 * np.pi * T_S)
