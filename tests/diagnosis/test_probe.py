@@ -11,7 +11,7 @@ from scipy.signal import StateSpace, lfilter, lsim
 
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.causes.aging import AgingPart
-from hysgen.diagnosis.causes.creep import CreepPart, crept_step
+from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.relaxation import RelaxationPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
@@ -164,13 +164,21 @@ def test_columns_of_the_curve_follow_lag_delay_and_level() -> None:
 
 
 def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
-    step = np.where(np.arange(600) > 0, 1.0, 0.0)
-    chain = Chain(1e-9, (CreepPart(0.1, 5 * TS_S),))
-    bare = respond(step, Chain(1e-9), TS_S)
-    crept = respond(step, chain, TS_S) - bare
-    # The record's step comes at its second sample and answers one later: two samples behind one before the record.
-    np.testing.assert_allclose(crept[2:], 0.1 * crept_step(TS_S * np.arange(598), 598 * TS_S, 5 * TS_S), atol=1e-4)
-    assert crept[-1] > 0.1
+    """A record whose first samples are cut off: at 9 V, where it rested, and 149 at the first level that is kept."""
+    kept_V = np.concatenate([[2.0], staircase(np.random.default_rng(6), 400)])
+    whole_V = np.concatenate([[9.0], np.full(149, 2.0), kept_V])
+    creep = CreepPart(0.1, 5 * TS_S)
+    past = CreepPart(0.1, 5 * TS_S, 9.0, 149 * TS_S)
+
+    def columns(u_V: Floats, part: CreepPart) -> Floats:
+        run = Trace(u_V, u_V, {}, segment=len(whole_V))
+        seen = Scene((run,), TS_S, np.arange(len(u_V)), Operator(0.0, 10.0))
+        return seen.columns(Chain(1e-3, (part,), memory=False))[:-3, 5 - len(kept_V) :]
+
+    # The constant of the weights is free; the lag has forgotten the cut after five samples.
+    whole = columns(whole_V, creep)
+    assert np.ptp(columns(kept_V, creep) - whole, axis=1).max() > 0.05
+    assert np.ptp(columns(kept_V, past) - whole, axis=1).max() < 1e-3
 
 
 def test_rate_limiter_reaches_every_level_within_its_rate() -> None:

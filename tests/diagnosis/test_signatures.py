@@ -20,18 +20,16 @@ from fixtures.linear_stage import (
     LAG,
     LATE,
     PLANTED,
-    SAMPLES,
     SLOW_AMPLIFIER,
     SPAN_S,
     T_S,
-    TS_S,
     evidence,
     lines_Hz,
     scene,
 )
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import GainChange
-from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart, crept_step
+from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart, Trend, trend_course
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, linear_fit, refine
@@ -57,9 +55,10 @@ def test_evidence_of_a_planted_cause_is_many_standard_errors(name: str) -> None:
 
 
 def test_creep_of_a_move_before_the_record_does_not_change_the_estimate() -> None:
-    """Creep of an unknown move by half the range before the first sample."""
-    before_um = -0.02 * 5.0 * crept_step(T_S, SAMPLES * TS_S, 0.05)
-    result = evidence("creep", scene(CREEP, before_um), CREEP).parameters["per_decade"]
+    """Creep of an unknown move by half the range, half a second before the first sample."""
+    before_um = 0.02 * 5.0 * np.log10((SPAN_S + 0.5) / (T_S + 0.5))
+    chain = CREEP.having(CreepPart(0.02, 0.05, 50.0, 0.05 * SPAN_S))
+    result = evidence("creep", scene(CREEP, before_um), chain).parameters["per_decade"]
     assert result.value == pytest.approx(0.02, rel=0.02)
 
 

@@ -53,7 +53,8 @@ class ShapeParameter:
     field: attribute of the part; unit: its unit; bounds: lowest and highest value for an extent, in that unit.
     logarithm: whether the coordinate of the fit is ln(value). step: step of the forward difference in this coordinate.
     order: p where the standard error falls as n^(-p/2) with the number of samples n: 3 for a frequency, else 1.
-    closed: whether a fit may end at the lowest value, because smaller ones have nearly the same effect.
+    closed: whether a fit may end at the lowest value, because smaller ones have nearly the same effect; closed_above:
+    whether at the highest.
     """
 
     field: str
@@ -63,6 +64,7 @@ class ShapeParameter:
     step: Callable[[Extent], float] = lambda extent: STEP
     order: float = 1.0
     closed: bool = False
+    closed_above: bool = False
 
     def coordinate(self, value: float) -> float:
         """The coordinate of a value: ln(value) or the value itself."""
@@ -73,10 +75,10 @@ class ShapeParameter:
         return math.exp(coordinate) if self.logarithm else coordinate
 
     def inside(self, value: float, extent: Extent) -> bool:
-        """Whether the value lies between its bounds and at neither of them, or at the lowest one if it is `closed`."""
+        """Whether the value lies between its bounds and at neither of them, but for those that are closed."""
         low, high = (self.coordinate(bound) for bound in self.bounds(extent))
-        edge = EDGE * (high - low)
-        return (self.closed or low + edge < self.coordinate(value)) and self.coordinate(value) < high - edge
+        edge, at = EDGE * (high - low), self.coordinate(value)
+        return (self.closed or low + edge < at) and (self.closed_above or at < high - edge)
 
     def bounded(self, coordinate: float, extent: Extent) -> float:
         """The coordinate, clamped to its bounds."""
@@ -202,6 +204,11 @@ class Part:
 
     def slow_states(self, span_s: float) -> SlowStates | None:
         """First-order states with the hysteresis as input, over a segment of span_s; at most one part may have them."""
+        return None
+
+    @property
+    def past(self) -> tuple[float, float] | None:
+        """Voltage in V at which the slow states rested, and time in s since then, before a segment; None: its first."""
         return None
 
     @property

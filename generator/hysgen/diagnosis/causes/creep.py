@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,14 +15,10 @@ from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
     Chain,
-    Extent,
     Fit,
     Part,
-    RunSignals,
-    Scene,
     ShapeParameter,
     TrainingFit,
-    octaves,
     standard_errors,
     whitened_fit,
 )
@@ -41,62 +36,41 @@ FITTED_PER_DECADE, PER_DECADE = 2, 1
 LEAST_START = 1e-3
 """Least starting value of the creep per decade: a fit does not leave the bound at 0."""
 
-PAST_DECAYS = (1 / 30, 1 / 8, 1 / 2)
-"""Time constants of the decay of creep from before the record, as shares of its length."""
+PAST_S = 0.05
+"""Starting value of the time since the stage rested at another level, as a share of the record."""
 
 
 @dataclass(frozen=True)
 class CreepPart(Part):
     """After a step the output moves by `per_decade` times the step in every decade of time, from from_s on.
 
-    The block with FITTED_PER_DECADE states, up to 100 times the length of the run. rested: the stage rested before the
-    record, so the states start at its first value. Otherwise added columns: the creep that the unknown motion before
-    the record causes, as three exponentials and the creep of a step at the start.
+    The block with FITTED_PER_DECADE states, up to 100 times the length of the run. Before the record the stage rested
+    at the voltage past_V, and past_s before the first sample it moved to where the record starts; None: it rested
+    there. Whatever moved it, it stayed within the range of the record: a free past would take a drift beside creep.
     """
 
     cause: ClassVar[str] = "creep"
     place: ClassVar[int] = 40
-    timed: ClassVar[bool] = True
     table: ClassVar[tuple[ShapeParameter, ...]] = (
         ShapeParameter("per_decade", "1", lambda e: (0.0, 1.0)),
         ShapeParameter("from_s", "s", lambda e: (2 * e.Ts_s, e.span_s / LEAST_DECADES), logarithm=True, closed=True),
+        ShapeParameter("past_V", "V", lambda e: (e.low_V, e.high_V), closed=True, closed_above=True),
+        ShapeParameter(
+            "past_s", "s", lambda e: (e.Ts_s, 10.0 * e.span_s), logarithm=True, closed=True, closed_above=True
+        ),
     )
     per_decade: float
     from_s: float
-    rested: bool = False
+    past_V: float | None = None
+    past_s: float | None = None
 
     def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
         # Creep slower than ten times the length of the record cannot be measured.
         return Creep.logarithmic(self.per_decade, self.from_s, 10.0 * span_s, states)
 
     @property
-    def added(self) -> int:
-        return 0 if self.rested else len(PAST_DECAYS) + 1
-
-    @property
-    def weight_orders(self) -> float:
-        return octaves(self.added) if self.added else 0.0
-
-    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        if self.rested:
-            return []
-        t_s = run.time_s(extent.Ts_s)
-        fading = [np.exp(-t_s / (share * extent.span_s)) for share in PAST_DECAYS]
-        return [*fading, crept_step(t_s, run.whole * extent.Ts_s, self.from_s)]
-
-    def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
-        return (self.cause, self.from_s, self.rested)
-
-
-def crept_step(t_s: Floats, span_s: float, from_s: float) -> Floats:
-    """(n,) logarithmic creep of a unit step at time 0, at the times t_s, (n,), per unit of `per_decade`.
-
-    span_s: length of the segment.
-
-    sum_i (1 - exp(-t / tau_i)) / 2,    with the tau_i of `CreepPart.slow_states`
-    """
-    block = CreepPart(1.0, from_s).slow_states(span_s)
-    return np.asarray(sum(-block.amount * np.expm1(-t_s / tau_s) for tau_s in block.tau_s))
+    def past(self) -> tuple[float, float] | None:
+        return None if self.past_V is None or self.past_s is None else (self.past_V, self.past_s)
 
 
 LONG_REST_S, DECADES = 0.5, 1.5
@@ -110,34 +84,14 @@ class CreepCause(Cause):
     slow = True
     part = CreepPart
 
-    def admissible(self, scene: Scene, fit: Fit) -> bool:
-        """Whether the motion before the record that is fitted stayed within the range of the record.
-
-        Slow states that start between the lowest and the highest displacement, low and high, leave in (t, t')
-
-            per_decade (c(t') - c(t)) (high - y(0))   at most, and with low at least,      c: `crept_step`
-
-        and what is beyond by less than the rms error is no motion. Free weights would take a drift beside creep.
-        """
-        part = fit.chain.get(CreepPart)
-        if part is None or part.rested:
-            return True
-        first, start_um = scene.column_of(fit.chain, CreepPart), scene.y_um - scene.y_um[0]
-        times_s = scene.span_s * np.array([0.0, *PAST_DECAYS, 1.0])
-        fading = [np.exp(-times_s / (share * scene.span_s)) for share in PAST_DECAYS]
-        crept = crept_step(times_s, scene.span_s, part.from_s)
-        moved_um = np.diff(fit.weights[first : first + part.added] @ np.vstack([*fading, crept]))
-        least_um, most_um = (-part.per_decade * np.diff(crept) * edge for edge in (start_um.max(), start_um.min()))
-        return bool(np.all((moved_um > least_um - fit.rms_um) & (moved_um < most_um + fit.rms_um)))
-
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Creep of a stage that rested before the record."""
         part = chain.of(CreepPart)
-        return [] if part.rested else [chain.having(dataclasses.replace(part, rested=True))]
+        return [] if part.past is None else [chain.having(CreepPart(part.per_decade, part.from_s))]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start of each form."""
-        return list({start.chain.of(CreepPart).rested: start for start in reversed(candidates)}.values())
+        return list({start.chain.of(CreepPart).past is None: start for start in reversed(candidates)}.values())
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         decades = math.log10(max(seen.longest_rest_s / (10.0 * seen.record.Ts_s), 1e-9))
@@ -159,7 +113,9 @@ class CreepCause(Cause):
             unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
             per_decade = float(np.clip(creep, LEAST_START, 1.0))
-            candidates += [chain.having(CreepPart(per_decade, start_s, rested)) for rested in (False, True)]
+            candidates.append(chain.having(CreepPart(per_decade, start_s)))
+            for past_V in (scene.extent.low_V, scene.extent.high_V):
+                candidates.append(chain.having(CreepPart(per_decade, start_s, past_V, PAST_S * scene.span_s)))
         return candidates
 
     def effect(self, residual: Residual) -> Effect:

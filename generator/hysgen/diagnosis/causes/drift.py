@@ -123,7 +123,7 @@ class DriftCause(Cause):
         creep = chain.get(CreepPart)
         if part.since_s is not None:
             return creep is None
-        past = 0.0 if creep is None or creep.rested else creep.per_decade
+        past = 0.0 if creep is None or creep.past is None else creep.per_decade
         hidden = max(math.log10(2.0) * past, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
         return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
@@ -140,8 +140,8 @@ class DriftCause(Cause):
         chain = residual.fit.chain
         creep = chain.get(CreepPart)
         if creep is not None:
-            # Creep of a free past takes a ramp: the drift is beside that of a stage that rested before, too.
-            rested = [chain.having(dataclasses.replace(creep, rested=True))]
+            # Creep of an earlier move takes a part of a ramp: the drift is beside that of a stage that rested, too.
+            rested = [chain.having(dataclasses.replace(creep, past_V=None, past_s=None))]
             return [] if self.present(chain) else [form.having(DriftPart()) for form in (chain, *rested)]
         slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
         part = chain.get(DriftPart)

@@ -124,6 +124,11 @@ class Chain:
         candidates = (part.slow_states(span_s) for part in self.parts)
         return next((block for block in candidates if block is not None), None)
 
+    @property
+    def past(self) -> tuple[float, float] | None:
+        """What the slow states hold of the time before a segment (`Part.past`)."""
+        return next((part.past for part in self.parts if part.past is not None), None)
+
     def seen_every(self, stride: int, Ts_s: float) -> Thinned:
         """The part of the chain behind the hysteresis for samples `stride` periods apart (`trace.Trace.held`)."""
         return Thinned(self.lag_s, self.parts, self.memory, stride=stride, Ts_s=Ts_s)

@@ -154,6 +154,7 @@ class Scene:
         first = 0
         for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
             self._respond_into(out[:size], first, run, h, chain)
+            self._fade(out[:size, first : first + len(run.u_V)], run, chain, h[:, 0])
             self._age(out[:size, first : first + len(run.u_V)], run.time_s(self.Ts_s), chain)
             first += len(run.u_V)
         return out
@@ -170,6 +171,7 @@ class Scene:
         for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
             here, inside = self._rows_of(i)
             out[:size, here] = respond_on_rows(h, chain, self.Ts_s, inside)
+            self._fade(out[:size, here], run, chain, h[:, 0], inside)
             self._age(out[:size, here], run.time_s(self.Ts_s, inside), chain)
             out[size, here] = 1.0
             for row, column in zip(out[size + 1 :, here], self._added_on_rows(i, inside, chain), strict=True):
@@ -212,8 +214,31 @@ class Scene:
             moved = (states - rest) @ np.exp(np.log(keep)[:, None] * np.arange(n)) + len(keep) * rest
         out[:, first : first + n] += slow.amount * (moved - len(keep) * h[:, :1])
 
+    def _fade(
+        self,
+        seen: Floats,
+        run: Trace,
+        chain: Chain,
+        start: Floats,
+        samples: Rows | None = None,
+        weights: Floats | None = None,
+    ) -> None:
+        """Adds what the slow states hold of the level before the segment to `seen`, (m, n), in place.
+
+        amount (h(past) - h(0)) sum_i exp(-(since + t) / tau_i)       start: h(0), (m,)
+        """
+        slow = None if chain.past is None else chain.slow_states(run.whole * self.Ts_s)
+        if chain.past is None or slow is None:
+            return
+        past_V, since_s = chain.past
+        level = self._operator(chain).at(past_V)
+        moved = (level if weights is None else weights @ level) - start
+        t_s = since_s + run.time_s(self.Ts_s, samples)
+        course = sum(np.exp(rate * t_s) for rate in np.log1p(-slow.rates(self.Ts_s)) / self.Ts_s)
+        seen += np.multiply.outer(moved, slow.amount * course)
+
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
-        """Response of the linear part of the chain to `paths` (`Scene.paths`), (n_i,) for each run."""
+        """Response of the linear part of the chain, from rest, to `paths` (`Scene.paths`), (n_i,) for each run."""
         found = []
         for run, path in zip(self.runs, paths, strict=True):
             out = np.empty((1, len(run.u_V)))
@@ -239,7 +264,8 @@ class Scene:
         """(n,) the prediction: response of the linear part of the chain to `paths`, and the added columns."""
         size = self.hysteresis_size(chain)
         parts = self.responses(paths, chain)
-        for run, part in zip(self.runs, parts, strict=True):
+        for run, path, part in zip(self.runs, paths, parts, strict=True):
+            self._fade(part[None], run, chain, path[:1], weights=weights[:size])
             self._age(part, run.time_s(self.Ts_s), chain, weights[:size])
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
@@ -252,6 +278,7 @@ class Scene:
         for i, (run, path) in enumerate(zip(self.runs, paths, strict=True)):
             here, inside = self._rows_of(i)
             part = respond_on_rows(path[None], chain, self.Ts_s, inside)[0]
+            self._fade(part[None], run, chain, path[:1], inside, weights[:size])
             self._age(part, run.time_s(self.Ts_s, inside), chain, weights[:size])
             out[here] += part
             for weight, column in zip(weights[size + 1 :], self._added_on_rows(i, inside, chain), strict=True):
