@@ -140,7 +140,8 @@ def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(
 def test_a_drift_is_named_beside_creep_and_creep_of_a_move_before_the_record_is_none() -> None:
     """The move: down by 10 um, 1 s before the record, of which 0.02 per decade goes on, 0.14 um in the record."""
     gone_um = -0.2 * np.log10(1.0 + T_S / 1.0)
-    for more_um, causes_named in ((0.01 * T_S / SPAN_S, ["creep", "drift"]), (gone_um, ["creep"])):
+    ramp_um, both = 0.02 * T_S / SPAN_S, ["creep", "drift"]
+    for more_um, causes_named in ((0.5 * ramp_um, both), (gone_um, ["creep"]), (gone_um + ramp_um, both)):
         found = search.search(scene(CREEP, more_um))
         assert named(found) == causes_named
 

@@ -40,6 +40,9 @@ SOONEST = 0.003
 AT_BOUND = 1.05
 """Ratio of the time of the move to its least value below which the fit has ended at that bound."""
 
+SLOWER = 0.1 * math.log10(math.e)
+"""What creep slower than ten times the record moves within it, per decade and unit of a step before it."""
+
 SINCE = (0.01, 0.05, 0.25)
 """Starting values of the time between the start of a drift that slows down and the record, as shares of the record."""
 
@@ -111,11 +114,11 @@ class DriftCause(Cause):
     starts = 2
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
-        """More drift than creep of a move before the record, or a gain that changes about another zero, can leave.
+        """More drift than a gain that changes about another zero, or creep that is slower than its states, can leave.
 
-        Creep of a move over the whole range, one record length before the record, leaves
-        per_decade * log10(1 + t/T); a drift that slows down has this course, so beside creep it has no score. Beside
-        creep of a stage that rested, every ramp is a drift.
+        Of a move over the whole range before the record, the states slower than ten records, which the creep of an
+        earlier move lacks, leave a ramp by per_decade log10(e) / 10. A drift that slows down has the course of the
+        creep of such a move, so beside creep it has no score.
         """
         chain, part = fit.chain, fit.chain.get(DriftPart)
         if part is None:
@@ -124,7 +127,7 @@ class DriftCause(Cause):
         if part.since_s is not None:
             return creep is None
         past = 0.0 if creep is None or creep.past is None else creep.per_decade
-        hidden = max(math.log10(2.0) * past, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
+        hidden = max(SLOWER * past, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
         return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
