@@ -28,7 +28,7 @@ from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels.operators import lag_states, play_operators
 from hysgen.record import Record, Segment
 from hysgen.record.checks import at_end
-from hysgen.record.series import first_covering
+from hysgen.record.series import COVERED, first_covering
 from hysgen.record.wrong_readings import EDGE
 
 Floats = NDArray[np.float64]
@@ -316,7 +316,12 @@ def _past_forgotten(segment: Segment, range_V: tuple[float, float]) -> int:
 
 
 def _range_covered(segment: Segment) -> int:
-    """First sample at which the input has covered the share COVERED of its range, or the assumed burn-in."""
-    n = segment.samples
-    first = first_covering(segment.u_V)
-    return max(first, int(ASSUMED_COVERED * n / 3)) if first <= LATEST_COVERED * n else int(ASSUMED_COVERED * n)
+    """First sample at which the input has covered the share COVERED of its range, or the assumed burn-in.
+
+    Where the input rests from there on, the move that covered it is all that the rows show of the stage.
+    """
+    n, first = segment.samples, first_covering(segment.u_V)
+    if first > LATEST_COVERED * n:
+        return int(ASSUMED_COVERED * n)
+    rests = np.ptp(segment.u_V[first:]) <= (1.0 - COVERED) * np.ptp(segment.u_V)
+    return int(ASSUMED_COVERED * n / 3) if rests else max(first, int(ASSUMED_COVERED * n / 3))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit
+from hysgen.diagnosis.probe import Chain, Fit, Scene
 from hysgen.fitting.operator import PathSize
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
@@ -48,6 +48,11 @@ class MemoryCause(Cause):
 
     def without(self, chain: Chain) -> Chain:
         return dataclasses.replace(chain, memory=False)
+
+    def admissible(self, scene: Scene, fit: Fit) -> bool:
+        """A command that never turns remembers no extreme: what a stage does on its one way is a curve, or creep."""
+        ways = (np.concatenate([run.history.u_V, run.u_V]) for run in scene.runs)
+        return not fit.chain.memory or any(len(turning_rows(way_V, 0.0)) for way_V in ways)
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         nested = seen.sizes >= 3
