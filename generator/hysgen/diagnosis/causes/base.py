@@ -22,6 +22,7 @@ from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.record.excitation import Excitation
+from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
@@ -112,6 +113,11 @@ def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:
     free = chain.without(kind.cause)
     changes = [np.abs(chain.amplified(*run) - free.amplified(*run)) for run in scene.commands]
     return int(np.count_nonzero(np.concatenate(changes)[scene.dense] > least_V))
+
+
+def turns(scene: Scene) -> bool:
+    """Whether the command of any run ever turns: on one way no voltage is passed twice."""
+    return any(len(turning_rows(np.concatenate([run.history.u_V, run.u_V]), 0.0)) > 0 for run in scene.runs)
 
 
 class Cause(abc.ABC):

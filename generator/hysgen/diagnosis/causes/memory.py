@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature, turns
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene
@@ -51,8 +51,7 @@ class MemoryCause(Cause):
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """A command that never turns remembers no extreme: what a stage does on its one way is a curve, or creep."""
-        ways = (np.concatenate([run.history.u_V, run.u_V]) for run in scene.runs)
-        return not fit.chain.memory or any(len(turning_rows(way_V, 0.0)) for way_V in ways)
+        return not fit.chain.memory or turns(scene)
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         nested = seen.sizes >= 3
