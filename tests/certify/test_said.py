@@ -227,7 +227,7 @@ def test_a_singular_model_is_refused_and_generates_over_the_range_where_it_is_no
         generate(singular(rules))
     part = singular(rules).within((1.0, 5.0))
     texts = generate(part)
-    report = verify_texts(part, texts, VerifySettings(20_000, 0, compilers=["cc"], levels=["-O2"]))
+    report = verify_texts(part, texts, VerifySettings(20_000, compilers=["cc"], levels=["-O2"]))
     assert report.equal, "\n".join(report.lines())
     assert accuracy(part, 20_000).predict_um < 5e-6
 

@@ -36,7 +36,7 @@ def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_a_machine_without_a_compiler_verifies_with_that_of_pip(alone: list[str]) -> None:
     folder = shipped("appendix_a")
-    report = verify_texts(folder.model, folder.texts, VerifySettings(9000, 0, compilers=["cc"]))
+    report = verify_texts(folder.model, folder.texts, VerifySettings(9000, compilers=["cc"]))
     assert report.equal
     assert report.builds[0].startswith("clang ")
     native.compiler_version.cache_clear()

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fixtures.drawn_models import complete_model, random_model
 from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import library
 from hysgen.checking.bits import VerifySettings, verify_texts
-from hysgen.checking.bits.random_models import complete_model, random_model
 from hysgen.checking.proof.translation import Translation, translation
 from hysgen.checking.symbolic import solver
 from hysgen.checking.symbolic.arrays import Symbols, traced
@@ -141,7 +141,7 @@ def test_no_fault_that_samples_show_is_proved_equal_and_most_faults_are_seen() -
     """Faults of the C, each judged twice: by samples of the compiled code, and by the proof."""
     model, texts = generated(2)
     name = f"{model.name}.c"
-    settings = VerifySettings(4000, 0, compilers=["cc"], levels=["-O0"])
+    settings = VerifySettings(4000, compilers=["cc"], levels=["-O0"])
     judged, unseen = 0, []
     for line, text in mutants(texts[name], 24):
         changed = {**texts, name: text}

@@ -368,7 +368,7 @@ class Recorded:
 
 
 @pytest.mark.parametrize("equal", [True, False])
-def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
+def test_verify_hands_on_samples_and_seed_and_its_code_is_the_answer(
     equal: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     here, there, elsewhere = Recorded(equal), Recorded(equal), Recorded(equal)
@@ -380,14 +380,11 @@ def test_verify_hands_on_samples_seed_and_structures_and_its_code_is_the_answer(
     monkeypatch.setattr(verify, "read_folder", lambda _: SimpleNamespace(model="model", texts="texts", facts={}))
     code = 0 if equal else 1
     assert main(["verify", "d"]) == code
-    assert main(["verify", "d", "--samples", "5", "--structures", "2", "--seed", "9"]) == code
+    assert main(["verify", "d", "--samples", "5", "--seed", "9"]) == code
     assert capsys.readouterr().out == "first\nlast\n" * 2
-    assert [call[0][:2] for call in here.calls] == [
-        (
-            Path("d"),
-            verify.VerifySettings(samples=verify.DEFAULT_SAMPLES, other_models=verify.DEFAULT_OTHER_MODELS, seed=1),
-        ),
-        (Path("d"), verify.VerifySettings(samples=5, other_models=2, seed=9)),
+    assert [(*call[0][:2], call[0][3]) for call in here.calls] == [
+        (Path("d"), verify.DEFAULT_SAMPLES, 1),
+        (Path("d"), 5, 9),
     ]
     assert main(["verify", "d", "--target", "c674x"]) == code
     assert main(["verify", "d", "--target", "c674x", "--samples", "6", "--seed", "8", "--updates", "4"]) == code

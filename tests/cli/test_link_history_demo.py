@@ -183,7 +183,7 @@ def test_the_demo_goes_the_whole_way_and_shows_each_command(
     commands = [
         f"$ hysgen diagnose d/record.csv --rows 0:{IDENTIFICATION_ROWS} -o d/stage.json --report d/report.html",
         "$ hysgen generate d/stage.json -o d/c",
-        "$ hysgen verify d/c --samples 77 --structures 0",
+        "$ hysgen verify d/c --samples 77",
         "$ hysgen cost d/c",
     ]
     assert [line for line in lines if line.startswith("$")] == commands

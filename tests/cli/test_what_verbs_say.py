@@ -105,14 +105,14 @@ def test_generate_check_and_cost_follow_every_option(folder: Path, capsys: pytes
 def test_verify_says_what_was_compared_and_an_altered_file_is_code_1(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = Said("verify @c --samples 1200 --structures 0 --seed 5", folder, capsys)
+    said = Said("verify @c --samples 1200 --seed 5", folder, capsys)
     assert (said.code, said.json["equal"]) == (0, True)
     assert 21_200 <= said.json["samples"] <= 21_212, "20 000 of `limits`; shares are rounded up"
     said.lines(rf"m: equal in every bit over {said.json['samples']} samples per build, [\d.]+ s")
     header = folder / "c/m.h"
     intact = header.read_text()
     header.write_text(intact + "\n")
-    altered = Said("verify @c --samples 1200 --structures 0", folder, capsys)
+    altered = Said("verify @c --samples 1200", folder, capsys)
     header.write_text(intact)
     assert (altered.code, altered.json["equal"]) == (1, False)
     altered.lines(r"ALTERED: c/m\.h: .*", "m: NOT EQUAL over .*")

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fixtures.drawn_models import RULES, random_model
 from fixtures.generated_models import everything, path, smooth
-from hysgen.checking.bits.random_models import RULES, random_model
 from hysgen.float32.coefficients import WINDOW_REACH, coefficients
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.instance import Instance

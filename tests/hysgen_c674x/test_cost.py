@@ -14,7 +14,8 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.generated_models import diagnosed, everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
-from hysgen.checking.cost import changes, cost, cost_of_texts, read, update
+from hysgen.api.code import cost
+from hysgen.checking.cost import changes, cost_of_texts, read, update
 from hysgen.checking.host import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
@@ -232,7 +233,7 @@ def test_one_sample_is_the_dearest_step_and_all_learning() -> None:
 
 def test_estimates_are_called_estimates_and_measured_cycles_are_not(tmp_path: Path) -> None:
     write(generate(load_model("appendix_a")), tmp_path)
-    told = cost(tmp_path, {"predict": 150})
+    told = cost(tmp_path, {"predict": 150}, timed=True)
     by_name = {f.name: f for f in told.functions}
     assert str(by_name["predict"].cycles) == "150 cycles"
     assert "(estimate)" in str(by_name["inverse"].cycles)

@@ -252,9 +252,7 @@ def test_models_and_folders_have_pages_of_the_same_kind(tmp_path: Path) -> None:
     scores = {name: score(model, record) for name, model in models.items()}
     code = generate(models["four"], Options(inverse=False))
     write(code, tmp_path)
-    assert (
-        main(["verify", f"{tmp_path}", "--samples", "3000", "--structures", "0", "--report", f"{tmp_path}/v.html"]) == 0
-    )
+    assert main(["verify", f"{tmp_path}", "--samples", "3000", "--report", f"{tmp_path}/v.html"]) == 0
     pages = {
         "models": model_page("t <&>", ScoredModels(record, models, scores)).html(),
         "folder": (tmp_path / "v.html").read_text(),

@@ -17,6 +17,7 @@ from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_che
 from hysgen.codegen import Derived, Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.codegen.operations.cycles import C674X, Weights
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
 from hysgen.firmware.binding import firmware_model, with_learner
@@ -106,16 +107,16 @@ def with_kernels(code: Generated, target: Target, assembler: str = "") -> Genera
     return Generated(code.model, texts, tuple(f"{name} stays in C: {reason}" for name, reason in refused.items()))
 
 
-def verify(code: Generated | str | Path, samples: int = 200_000, progress: Progress | None = None) -> Report:
+def verify(
+    code: Generated | str | Path, samples: int = 200_000, progress: Progress | None = None, seed: int = 1
+) -> Report:
     """Compare generated C, or a folder of it, with its float32 reference, bit for bit, in every available build.
 
-    samples: per build. Raises HysgenError if the folder is incomplete or there is no compiler.
+    samples: per build; seed: of the inputs. Raises HysgenError if the folder is incomplete or there is no compiler.
     """
-    settings = VerifySettings(samples=samples, other_models=0)
-    if isinstance(code, Generated):
-        return verify_texts(code.model, code.texts, settings, progress)
-    folder = read_folder(Path(code))
-    return verify_texts(folder.model, folder.texts, settings, progress, folder.altered)
+    given = code if isinstance(code, Generated) else read_folder(Path(code))
+    altered = () if isinstance(given, Generated) else given.altered
+    return verify_texts(given.model, given.texts, VerifySettings(samples, seed), progress, altered)
 
 
 def prove(
@@ -128,20 +129,25 @@ def prove(
 
     Raises HysgenError for an unknown check, and if a tool of a check is not installed.
     """
-    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
+    given = code if isinstance(code, Generated) else read_folder(Path(code))
     chosen, report = settings or CheckSettings(), progress or (lambda fraction, line: None)
-    return Proof(model.name, {name: CHECKS[name](model, texts, chosen, report) for name in known_checks(checks)})
+    names = known_checks(checks)
+    return Proof(given.model.name, {name: CHECKS[name](given.model, given.texts, chosen, report) for name in names})
 
 
-def cost(code: Generated | str | Path) -> Cost:
-    """The cost of generated C, or of a folder of it: operations, cycles against the sample period, bytes."""
-    model, texts = (code.model, code.texts) if isinstance(code, Generated) else _of_folder(code)
-    return cost_of_texts(model, texts, timed=False)
+def cost(
+    code: Generated | str | Path,
+    cycles: Mapping[str, int] | None = None,
+    *,
+    timed: bool = False,
+    weights: Weights = C674X,
+) -> Cost:
+    """The cost of generated C, or of a folder of it: operations, cycles against the sample period, bytes.
 
-
-def _of_folder(folder: str | Path) -> tuple[Model, Mapping[str, str]]:
-    generated = read_folder(Path(folder))
-    return generated.model, generated.texts
+    cycles, timed, weights: as for `cost_of_texts`. Raises HysgenError if the folder is incomplete.
+    """
+    given = code if isinstance(code, Generated) else read_folder(Path(code))
+    return cost_of_texts(given.model, given.texts, cycles, timed=timed, weights=weights)
 
 
 def write_export(model: Model, target: str, folder: str | Path, options: Options | None = None) -> list[Path]:

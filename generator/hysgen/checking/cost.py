@@ -23,7 +23,7 @@ import numpy as np
 
 from hysgen.checking.bits.functions import COMPARED_STRUCTS, chunks
 from hysgen.checking.host import Host
-from hysgen.codegen.manifest import read_folder
+from hysgen.codegen.manifest import MANIFEST
 from hysgen.codegen.operations import Counts, figures
 from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ, Cycles, Weights, budget, cycles_of, per_sample
 from hysgen.display import Displayed, Summary
@@ -35,7 +35,6 @@ from hysgen.model.model import Model
 __all__ = [
     "Cost",
     "FunctionCost",
-    "cost",
     "cost_of_texts",
 ]
 
@@ -127,30 +126,20 @@ class Cost(Displayed):
         ]
 
 
-def cost(
-    folder: Path, cycles: Mapping[str, int] | None = None, *, timed: bool = True, weights: Weights = C674X
-) -> Cost:
-    """Cost of a folder written by `hysgen generate`.
-
-    cycles: stall-free cycles per function, measured on the target. weights: of the estimates of the others. timed: also
-    run the functions on this machine.
-    Raises HysgenError if the folder is incomplete, BuildError if `timed` and no compiler is installed.
-    """
-    generated = read_folder(folder)
-    clock_Hz = float(generated.facts.get("options", {}).get("clock_Hz", CLOCK_HZ))
-    return cost_of_texts(generated.model, generated.texts, cycles, timed=timed, clock_Hz=clock_Hz, weights=weights)
-
-
 def cost_of_texts(
     model: Model,
     texts: Mapping[str, str],
     cycles: Mapping[str, int] | None = None,
     *,
     timed: bool = True,
-    clock_Hz: float = CLOCK_HZ,
     weights: Weights = C674X,
 ) -> Cost:
-    """`cost` for generated texts in memory."""
+    """Cost of generated texts, against the clock that their manifest names.
+
+    cycles: stall-free cycles per function, measured on the target. weights: of the estimates of the others. timed: also
+    run the functions on this machine. Raises BuildError if `timed` and no compiler is installed.
+    """
+    clock_Hz = float(json.loads(texts.get(MANIFEST, "{}")).get("options", {}).get("clock_Hz", CLOCK_HZ))
     counted = figures(model.name, texts)
     known = cycles_of(counted.operations, cycles, weights)
     toolchain = default_toolchain() if timed else None

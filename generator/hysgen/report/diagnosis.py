@@ -231,7 +231,7 @@ def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
     except HysgenError as fault:
         return None, None, str(fault)
     try:
-        return verify_texts(model, texts, VerifySettings(samples=SAMPLES, other_models=0)), price, ""
+        return verify_texts(model, texts, VerifySettings(samples=SAMPLES)), price, ""
     except HysgenError as fault:
         return None, price, str(fault)
 

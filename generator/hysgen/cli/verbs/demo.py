@@ -73,7 +73,7 @@ def run_demo(arguments: argparse.Namespace, console: Console) -> int:
     generated.write(code)
     console.say(f"written: {', '.join(sorted(generated.texts))}")
 
-    console.say(f"\n$ hysgen verify {code} --samples {arguments.samples} --structures 0")
+    console.say(f"\n$ hysgen verify {code} --samples {arguments.samples}")
     report = verify(code, arguments.samples, console.progress)
     console.say("\n".join(report.lines()))
 

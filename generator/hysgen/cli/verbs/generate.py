@@ -7,8 +7,8 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from hysgen.api.code import generate, with_kernels
-from hysgen.checking.cost import Cost, FigureChange, changes, cost, read, update
+from hysgen.api.code import cost, generate, with_kernels
+from hysgen.checking.cost import Cost, FigureChange, changes, read, update
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
@@ -170,7 +170,7 @@ def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     cycles = (
         {function: row["cycles"] for function, row in measured.figures.items() if "cycles" in row} if measured else {}
     )
-    price = cost(folder, cycles, weights=item.weights if item and item.weights else C674X)
+    price = cost(folder, cycles, timed=True, weights=item.weights if item and item.weights else C674X)
     console.say(cost_text(price))
     answer = price.to_json()
     different: list[FigureChange] = []

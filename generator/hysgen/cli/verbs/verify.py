@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.api.code import prove
-from hysgen.checking.bits import DEFAULT_OTHER_MODELS, DEFAULT_SAMPLES, VerifySettings, verify
+from hysgen.api.code import Generated, cost, prove, verify
+from hysgen.checking.bits import DEFAULT_SAMPLES
 from hysgen.checking.bits.functions import LEARNING_SHARE
-from hysgen.checking.cost import cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
 from hysgen.checking.proof.emulated_program import PLATFORMS
 from hysgen.cli.console import Console, command_line
@@ -24,8 +23,8 @@ VERIFY_HELP = """\
 Prove that generated C equals its NumPy reference, bit for bit.
 
 Every compiler and optimisation level that is installed is compared, with and without flushing denormal numbers to zero,
-over random, edge and long-run inputs; models of other structures are generated, compiled and compared beside it. With
---target the C runs elsewhere: on the simulated C674x, or under qemu on other processors, both orders of bytes.
+over random, edge and long-run inputs. With --target the C runs elsewhere: on the simulated C674x, or under qemu on
+other processors, both orders of bytes.
 """
 PROVE_HELP = """\
 Show of generated C, without running it on the target, what can be shown: warnings, MISRA rules, sanitizers, proofs.
@@ -57,14 +56,7 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         help="with --target c674x: chained updates of the learner, with commits, on simulator, host and reference "
         f"(default {LEARNING_SHARE:g} of the samples)",
     )
-    parser.add_argument(
-        "--structures",
-        type=int,
-        default=DEFAULT_OTHER_MODELS,
-        metavar="N",
-        help="random models of other structures beside it (default %(default)s)",
-    )
-    parser.add_argument("--seed", type=int, default=1, help="of the inputs and the random models (default %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of the inputs (default %(default)s)")
     parser.add_argument("--report", metavar="FILE.html", help="write the result as one page that needs no other file")
     parser.add_argument(
         "--prove", action="store_true", help="also prove equality for every input, as `hysgen prove --only equal` does"
@@ -94,19 +86,14 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
             raise HysgenError(f"{flag} belongs to --target {' or '.join(owners) or 'NAME'}; add it")
     if arguments.target:
         return run_on_target(arguments, console)
-    settings = VerifySettings(
-        samples=DEFAULT_SAMPLES if arguments.samples is None else arguments.samples,
-        other_models=arguments.structures,
-        seed=arguments.seed,
-    )
-    report = verify(Path(arguments.folder), settings, console.progress)
+    samples = DEFAULT_SAMPLES if arguments.samples is None else arguments.samples
+    report = verify(Path(arguments.folder), samples, console.progress, arguments.seed)
     console.say("\n".join(report.lines()))
     if arguments.report:
         from hysgen.report.model import folder_page
 
-        folder = read_folder(Path(arguments.folder))
-        price = cost_of_texts(folder.model, folder.texts, timed=False)
-        write_whole(Path(arguments.report), folder_page(folder.model, report, price, command_line()).html())
+        model, price = read_folder(Path(arguments.folder)).model, cost(arguments.folder)
+        write_whole(Path(arguments.report), folder_page(model, report, price, command_line()).html())
         console.say(f"written: {arguments.report}")
     if not arguments.prove:
         return console.finish(report.to_json(), report.equal)
@@ -145,7 +132,7 @@ def run_prove(arguments: argparse.Namespace, console: Console) -> int:
     settings = CheckSettings(arguments.samples, calls)
     checks: dict[str, Checked] = {}
     for name in names:
-        checks[name] = CHECKS[name](folder.model, folder.texts, settings, console.progress)
+        checks |= prove(Generated(folder.model, folder.texts), [name], settings, console.progress).checks
         console.say("\n".join([f"{name}:", *checks[name].answer.lines()]) + "\n")
     proof = Proof(folder.model.name, checks)
     return console.finish({**proof.to_json(), "altered": list(folder.altered)}, proof.clean)
