@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.drawn_models import complete_model, random_model
+from fixtures.drawn_models import random_model
 from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import library
@@ -42,7 +42,7 @@ def _solver() -> None:
 @functools.lru_cache(maxsize=4)
 def generated(seed: int) -> tuple[Model, Mapping[str, str]]:
     """A model with every block and term, and its C."""
-    model = complete_model(seed)
+    model = random_model(seed, complete=True)
     return model, generate(model)
 
 

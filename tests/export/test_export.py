@@ -21,9 +21,9 @@ from hysgen.codegen import Options, generate
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.export import export_texts, exports, write_export
 from hysgen.export.base import Samples
-from hysgen.export.check import CORRUPTED, Reference, compare, inputs
+from hysgen.export.check import Reference, compare, inputs
 from hysgen.export.component import MODES
-from hysgen.export.fmu import archive, run_fmu
+from hysgen.export.fmu import archive
 from hysgen.machine.files import digest
 from hysgen.model.file import load_model
 
@@ -77,25 +77,6 @@ def test_the_component_calls_the_functions_of_the_model() -> None:
         assert np.array_equal(component.run(samples), expected[0])
         if mode.name == "learn":
             assert 1 in expected[1], "no commit was accepted: the order of commit and predict is not tried"
-
-
-def test_samples_of_a_comparison_cover_the_range_corruption_learning_and_commits() -> None:
-    component = Reference.compile(model(), Options())
-    n, grid = 10_000, model().grid
-    for mode in MODES:
-        samples = inputs(component, mode, n)
-        y, value = samples.column(0), samples.column(1)
-        good = np.isin(y, np.array(CORRUPTED, np.float32), invert=True) & np.isfinite(y)
-        assert np.flatnonzero(~good).tolist() == list(range(97, n, 97))
-        assert {str(x) for x in y[~good]} == {str(np.float32(x)) for x in CORRUPTED}
-        if mode.name in ("predict", "learn"):
-            assert 0.99 < np.nanmax(np.where(np.abs(value) < 1e3, value, 0.0)) / (50.0 + 0.99 * 70.0) < 1.01
-        # White noise of 0.1 nm on a smooth displacement, 0.2 % larger for a learner.
-        smooth = good[2:] & good[1:-1] & good[:-2]
-        noise_um = np.median(np.abs(np.diff(y, 2)[smooth])) / 0.6745 / np.sqrt(6.0)
-        assert 0.7e-4 < noise_um < 3e-4, "and what the channels add"
-        assert grid.y_min_um < np.median(y[good]) < grid.y_max_um
-        assert samples.commit.sum() == (7 if mode.name == "learn" else 0)
 
 
 def direct(host: Host, samples: Samples) -> tuple[np.ndarray, list[int]]:
@@ -269,9 +250,3 @@ def _binary(path: Path, here: Path) -> str:
     target = here / "unpacked" / path.stem
     shutil.unpack_archive(path, target, "zip")
     return str(next((target / "binaries").rglob(f"{NAME}.so")))
-
-
-def test_the_comparison_sees_a_missing_fmu(folder: Path, tmp_path: Path) -> None:
-    exported(folder, "fmu")
-    with pytest.raises(HysgenError, match="is missing; this is not a folder"):
-        run_fmu(2, model(), tmp_path, inputs(Reference.compile(model(), Options()), MODES[0], 10))

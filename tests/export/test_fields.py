@@ -187,6 +187,7 @@ def test_the_inputs_of_a_mode_cover_the_range_and_corrupt_every_column(mode: Any
             ~np.isfinite(column) | (np.abs(column) > 1e20) | (column == 0) | (np.abs(column) < 1e-38)
         )
         assert set(every) == set(wrong), place
+        assert {str(x) for x in column[every]} == {str(np.float32(x)) for x in check.CORRUPTED}
     plain = np.ones(n, bool)
     for place in range(2):
         plain[97 * (place + 1) :: 97] = False
