@@ -8,9 +8,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from fixtures.drawn_models import low_gain_model, random_model
+from fixtures.drawn_models import random_model
 from fixtures.generated_models import hysteresis
 from fixtures.guards import unguarded_against_fusing
 from fixtures.proof_models import SHIPPED, shipped
@@ -20,7 +21,7 @@ from hysgen.checking.bits import Report, VerifySettings, verify_texts
 from hysgen.codegen import Derived, generate, write
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
-from hysgen.model.model import Model
+from hysgen.model.model import Grid, Model
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.slew import Slew
 
@@ -151,8 +152,10 @@ def test_mismatch_names_function_arguments_and_both_bit_patterns() -> None:
     assert "cc -O2" in line
 
 
-def test_results_that_are_not_settled_are_found_by_the_model_of_low_gain() -> None:
-    model = low_gain_model()
+def test_results_that_are_not_settled_are_found_where_they_fall_below_the_least_magnitude_that_counts() -> None:
+    rng = np.random.default_rng(0)
+    consequents = np.ldexp(rng.uniform(1.0, 2.0, (4, 3)), rng.integers(-38, -30, (4, 3)))
+    model = Model("low_gain", 2e-5, Grid(-1e-3, 1e-3, 4), consequents, u_min_V=-1.0, u_max_V=1.0)
     texts = generate(model)
     settle = "low_gain_float(bits & low_gain_mask((uint32_t)((bits & 0x7fffffffu) >= 0x2b800000u)))"
     assert settle in texts["low_gain.c"]

@@ -241,12 +241,7 @@ def test_an_fmu_is_valid_and_holds_nothing_of_python(standard: int, folder: Path
     assert validate_fmu(str(path)) == []
     texts = {file.relative_to(here).as_posix(): file.read_text() for file in here.rglob("*.[chx]*") if file.is_file()}
     assert archive(standard, NAME, texts) == path.read_bytes(), "the same sources make the same archive"
-    content = subprocess.run(["ldd", _binary(path, here)], capture_output=True, text=True, check=True).stdout
+    shutil.unpack_archive(path, here / "unpacked" / path.stem, "zip")
+    binary = next((here / "unpacked" / path.stem / "binaries").rglob(f"{NAME}.so"))
+    content = subprocess.run(["ldd", binary], capture_output=True, text=True, check=True).stdout
     assert set(re.findall(r"^\s+(\S+?)\.so", content, re.M)) <= {"linux-vdso", "libc", "/lib64/ld-linux-x86-64"}
-
-
-def _binary(path: Path, here: Path) -> str:
-    """The path of the shared library of an FMU, unpacked."""
-    target = here / "unpacked" / path.stem
-    shutil.unpack_archive(path, target, "zip")
-    return str(next((target / "binaries").rglob(f"{NAME}.so")))
