@@ -181,7 +181,7 @@ def test_a_fault_of_the_reference_is_seen(
 def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solver, "SOLVER", "no_such_module")
     folder = shipped("appendix_a")
-    result = translation(folder.model, folder.texts, calls=["predict"])
+    result = translation(folder.model, folder.texts, calls=["inverse"])
     (proof,) = result.functions
     assert (proof.holds, proof.difference, result.holds) == (False, "", True)
     assert "not proved" in proof.line()
