@@ -1,8 +1,10 @@
-"""The documents are true where that can be checked: commands, links, paths and modules that they name exist."""
+"""The documents are true where that can be checked: commands, links, paths and modules that they name exist, and the
+output that README and tutorial show is what their commands print."""
 
 from __future__ import annotations
 
 import ast
+import difflib
 import functools
 import importlib
 import re
@@ -13,12 +15,14 @@ from pathlib import Path
 import pytest
 
 import hysgen
-from hysgen.cli.main import HYSGEN, parser
+from hysgen.cli.main import HYSGEN, main, parser
+from hysgen.record.bundled import bundled_csv
 from hysgen_lab.verbs import LABORATORY
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 COMMAND = re.compile(r"^(?:    |\$ )?((?:python -m hysgen_lab|hysgen) [a-z].*)$", re.MULTILINE)
+BLOCK = re.compile(r"^```(python|)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((?!https?:)([^)#]+)")
 PATH = re.compile(r"(?<![\w/.<>:-])(?:[\w.-]+/)+[\w.-]*\w")
 MODULE = re.compile(r"(?<![\w/])hysgen(?:_c674x|_lab)?(?:\.\w+)+")
@@ -153,3 +157,76 @@ def test_reference_of_the_python_interface_names_all_of_it() -> None:
     page = (ROOT / "docs" / "api.md").read_text()
     missing = [name for name in hysgen.__all__ if not re.search(rf"\b{name}\b", page)]
     assert not missing
+
+
+def plain(line: str) -> str:
+    """The line without what the machine decides: widths of columns, times, compilers and their number."""
+    line = re.sub(r"\b[\d.]+ s\b|^builds: .*|(?<=on this machine) \(.*?\)+(?=;)", "#", " ".join(line.split()))
+    return re.sub(r"(?<=~)(\d+) [\d.]+$", r"\1 #", re.sub(r" \d+ equal$", " # equal", line))
+
+
+def closest(line: str, printed: list[str], first: int) -> int:
+    """Index, not before `first`, of the printed line that is most like a shown one."""
+    likeness = [difflib.SequenceMatcher(None, plain(line), plain(other)).ratio() for other in printed[first:]]
+    return first + max(range(len(likeness)), key=likeness.__getitem__)
+
+
+def as_printed(shown: str, printed: list[str]) -> str:
+    """The shown lines as they should be: each run of lines between two "..." is a run of printed lines, the first from
+    the beginning, the last to the end."""
+    runs, after = re.split(r"^\.\.\.\n", shown, flags=re.MULTILINE), 0
+    for index, run in enumerate(runs):
+        lines = run.strip("\n").split("\n")
+        if lines == [""]:
+            continue
+        start = closest(lines[0], printed, after) if index else 0
+        after = closest(lines[-1], printed, start) + 1 if index < len(runs) - 1 else len(printed)
+        right = printed[start:after]
+        if list(map(plain, lines)) != list(map(plain, right)):
+            runs[index] = run.replace("\n".join(lines), "\n".join(right))
+    return "...\n".join(runs)
+
+
+@pytest.mark.golden
+@pytest.mark.proof
+def test_each_block_of_output_is_what_its_command_prints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], request: pytest.FixtureRequest
+) -> None:
+    """Update with `pytest tests/test_docs.py --update-golden` and look at the diff."""
+    monkeypatch.chdir(tmp_path)
+    Path("record.csv").write_text(bundled_csv())
+    diagnosis: dict[str, list[str]] = {}
+    stale, commands = [], 0
+    for page in (ROOT / "README.md", ROOT / "docs" / "tutorial.md"):
+        text = right = page.read_text()
+        for language, block in BLOCK.findall(text):
+            if language:
+                exec(block, {})
+            for command, shown in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE):
+                words = shlex.split(command.replace("hysgen-demo/", ""))
+                if words[0] == "head":
+                    printed = bundled_csv().split("\n")[: int(words[1][1:])]
+                elif words[0] == "hysgen":
+                    if (printed := diagnosis.get(shlex.join(words), [])) == []:
+                        assert main(["-q", *words[1:]]) == 0, command
+                        printed = capsys.readouterr().out.rstrip("\n").split("\n")
+                    if words[1] == "diagnose":  # two minutes; both pages show the same
+                        diagnosis[shlex.join(words)] = printed
+                else:
+                    assert (command, shown) == ("make run", "")
+                    continue
+                commands += 1
+                if shown and (true := as_printed(shown, printed)) != shown:
+                    stale += difflib.unified_diff(shown.split("\n"), true.split("\n"), page.name, command, n=0)
+                    right = right.replace(f"$ {command}\n{shown}", f"$ {command}\n{true}")
+        if request.config.getoption("--update-golden"):
+            page.write_text(right)
+            stale = []
+    assert commands > 9
+    assert stale == [], "\n".join(stale)
+
+
+def test_a_line_that_is_not_printed_would_be_seen() -> None:
+    printed = ["a 1.00", "b", "c", "d", "took 1.25 s"]
+    assert as_printed("a  1.00\n...\nc\nd\ntook 3 s\n", printed) == "a  1.00\n...\nc\nd\ntook 3 s\n"
+    assert as_printed("a 1.02\n...\nc\ntook 3 s\n", printed) == "a 1.00\n...\nc\nd\ntook 1.25 s\n"

@@ -79,11 +79,7 @@ def test_a_learner_is_asked_for_when_fitting_or_when_generating(record: Path, mo
     assert main(fit) == 0
     settings = json.loads(learning.read_text())["learner"]
     assert (settings["learned"], settings["noise_um"]) == (["bias"], 0.001)
-    calls = {
-        "kept": (learning, []),
-        "none": (learning, ["--learn", "none"]),
-        "gain": (model, ["--learn", "gain"]),
-    }
+    calls = {"kept": (learning, []), "none": (learning, ["--learn", "none"]), "gain": (model, ["--learn", "gain"])}
     for name, (path, options) in calls.items():
         assert main(["generate", str(path), *options, "-o", str(tmp_path / name)]) == 0
     assert "#define LEARNING_LEARNED 1u " in (tmp_path / "kept" / "learning.h").read_text()

@@ -181,8 +181,7 @@ def test_a_library_that_cannot_be_loaded_is_one_line_and_exit_code_2(
 
 
 def test_a_cache_that_cannot_be_written_falls_back_to_a_temporary_folder(
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     blocked = tmp_path / "a-file"
     blocked.write_text("")

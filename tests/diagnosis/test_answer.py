@@ -135,9 +135,9 @@ def test_a_knock_is_told_with_time_and_size_and_spoils_no_model() -> None:
     found = diagnose(Record.from_arrays(segment.u_V, knocked_um, record.Ts_s), settings=QUICK)
     assert found.names == (*sound.names, "unknown")
     assert found.unknown is not None
-    told = re.search(r"jumps by ([+-][0-9.]+) nm at ([0-9.]+) s", found.unknown)
+    told = re.search(r"jumps by ([+-][0-9.]+) um at ([0-9.]+) s", found.unknown)
     assert told is not None
-    assert float(told[1]) == pytest.approx(20.0 * span_um, rel=0.05)
+    assert float(told[1]) == pytest.approx(0.02 * span_um, rel=0.05)
     assert float(told[2]) == pytest.approx(at * record.Ts_s, rel=0.01)
     assert found.extended_rms_um < 1.2 * sound.extended_rms_um
 

@@ -1,4 +1,9 @@
-"""Bad arrays, options and files of other kinds are refused in one line with file, field and cure; no code runs."""
+"""Files of instruments, loggers, spreadsheets and programs are read and said; bad ones, bad options and files of other
+kinds are refused in one line with file, field and cure; no code runs.
+
+samples.toml holds one text file a kind. `said`: part of a remark of the reading, nothing for none. `refused`: parts of
+the message in order; what it says to paste reads the file, with `pasted` behind it, where the sample has this field.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ import math
 import os
 import pickle
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -17,6 +22,7 @@ import numpy as np
 import pytest
 import scipy.io
 
+from fixtures.record_of_files import SAMPLES, check, sample_text
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
 from hysgen.record.sampling import sampling_period
@@ -104,24 +110,9 @@ BAD = [
         npz(**sound(time_s=None)),
         ("no time array 'time_s'", "it holds", "--columns time=NAME or --columns Ts_s=SECONDS"),
     ),
-    Bad(
-        "aux of other length",
-        "a.npz",
-        npz(**sound(temp=U_V[:9])),
-        ("temp has 9 samples, voltage_V has 400", "leave the"),
-    ),
-    Bad(
-        "time of other length",
-        "a.npz",
-        npz(**sound(time_s=TIME_S[:9])),
-        ("time_s has 9", "voltage_V has 400", "one per"),
-    ),
-    Bad(
-        "NaN in an array",
-        "a.npz",
-        npz(**sound(voltage_V=np.where(K == 9, np.nan, U_V))),
-        ("index 9", "voltage_V is nan"),
-    ),
+    Bad("short aux", "a.npz", npz(**sound(temp=U_V[:9])), ("temp has 9 samples, voltage_V has 400", "leave the")),
+    Bad("short time", "a.npz", npz(**sound(time_s=TIME_S[:9])), ("time_s has 9", "voltage_V has 400", "one per")),
+    Bad("NaN", "a.npz", npz(**sound(voltage_V=np.where(K == 9, np.nan, U_V))), ("index 9", "voltage_V is nan")),
     Bad("complex numbers", "a.npz", npz(**sound(voltage_V=U_V * 1j)), ("voltage_V holds complex128", "float values")),
     Bad(
         "several axes",
@@ -139,19 +130,24 @@ BAD = [
 ]
 
 
+def one_line(refusal: pytest.ExceptionInfo[RecordError], file: str, says: Sequence[str]) -> str:
+    """The message of a refusal: one line that names the file, then says these parts, in this order."""
+    message = rest = str(refusal.value)
+    assert "\n" not in message
+    assert message.startswith(f"{file}: ")
+    for part in says:
+        assert part in rest, f"'{part}' is not (or not in its place) in: {message}"
+        rest = rest.partition(part)[2]
+    return message
+
+
 @pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.kind)
 def test_a_bad_file_of_arrays_is_refused_with_one_line_naming_file_field_and_cure(bad: Bad, tmp_path: Path) -> None:
     path = tmp_path / bad.file
     path.write_bytes(bad.content)
     with pytest.raises(RecordError) as refusal:
         load_record(path, bad.columns)
-    message = str(refusal.value)
-    assert "\n" not in message
-    assert message.startswith(f"{bad.file}: ")
-    rest = message
-    for part in bad.says:
-        assert part in rest, f"'{part}' is not (or not in its place) in: {message}"
-        rest = rest[rest.index(part) :]
+    one_line(refusal, bad.file, bad.says)
 
 
 def test_the_sound_record_that_the_bad_ones_are_made_of_is_accepted_in_every_format(tmp_path: Path) -> None:
@@ -324,3 +320,37 @@ def test_stamps_are_even_within_a_twentieth_of_the_period(late: float, said: str
         return
     with pytest.raises(RecordError, match=said):
         sampling_period(stamps)
+
+
+REFUSED = [kind for kind, sample in SAMPLES.items() if "refused" in sample]
+
+
+def written(kind: str, folder: Path) -> Path:
+    path = folder / SAMPLES[kind].get("file", "log.csv")
+    path.write_bytes(sample_text(kind))
+    return path
+
+
+@pytest.mark.parametrize("kind", [kind for kind in SAMPLES if kind not in REFUSED])
+def test_a_file_is_read_without_options_and_the_option_said_repeats_it(kind: str, tmp_path: Path) -> None:
+    path, said = written(kind, tmp_path), SAMPLES[kind].get("said")
+    record = load_record(path)
+    check(record)
+    if said is not None:
+        assert any(said in line for line in record.warnings) or (said == "" and record.warnings == ()), record.warnings
+    for line in record.warnings:
+        if 'read as --columns "' in line:
+            again = load_record(path, line.partition('--columns "')[2].rpartition('"')[0])
+            assert again.digest == record.digest
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_a_bad_file_is_refused_with_one_line_naming_file_row_field_and_cure(kind: str, tmp_path: Path) -> None:
+    path, sample = written(kind, tmp_path), SAMPLES[kind]
+    with pytest.raises(RecordError) as refusal:
+        load_record(path, sample.get("columns", ""))
+    message = one_line(refusal, path.name, sample["refused"])
+    if "pasted" in sample:
+        check(
+            load_record(path, ",".join(filter(None, [message.split('--columns "')[1].split('"')[0], sample["pasted"]])))
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate, name_causes
 from hysgen.diagnosis.experiment import Limits, in_words, lacking, voltage, with_time_for
 from hysgen.diagnosis.identifiability import Ability
+from hysgen.display import Quantities
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores
 from hysgen.record import Record, check_for_fit, check_validation
@@ -48,7 +49,7 @@ def diagnose(
     warn(check_for_fit(part, chosen.fit.rules, 3 * chosen.fit.rules))
     if holdout is not None:
         warn(check_validation(part, holdout))
-    return diagnose_and_evaluate(record, holdout, chosen, progress)
+    return diagnose_and_evaluate(record, holdout, chosen, progress).shown_in(record.quantities)
 
 
 def scored_extension(study: Study) -> Model:
@@ -69,11 +70,12 @@ class NextExperiment:
     words: str
     now: tuple[Ability, ...]
     then: tuple[Ability, ...]
+    quantities: Quantities
 
     def csv(self) -> str:
         """`time_s,voltage_V`, every number as the float64 that it is."""
         time_s = (np.arange(len(self.u_V)) * self.Ts_s).tolist()
-        return write_csv({"time_s": time_s, "voltage_V": self.u_V.tolist()})
+        return write_csv({"time_s": time_s, self.quantities.columns[0]: self.u_V.tolist()})
 
     def to_json(self) -> dict[str, Any]:
         """The pieces in words, the length, and what each record can tell (`Ability.to_json`)."""
@@ -97,7 +99,8 @@ def next_experiment(study: Study, **stated: float) -> NextExperiment:
     u_V = voltage(pieces, limits)
     noise_um = study.diagnosis.noise.rms_um * np.random.default_rng(0).standard_normal(len(u_V))
     played = Record.from_arrays(u_V, study.model.simulate(u_V) + noise_um, limits.Ts_s)
-    return NextExperiment(u_V, limits.Ts_s, in_words(pieces, limits), now, name_causes(played).abilities)
+    words, then = in_words(pieces, limits), name_causes(played).abilities
+    return NextExperiment(u_V, limits.Ts_s, words, now, then, study.record.quantities)
 
 
 def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model], Record], title: str = "") -> Page:
@@ -108,7 +111,7 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     if isinstance(result, Study):
         from hysgen.report.diagnosis import diagnosis_page
 
-        return diagnosis_page(result)
+        return replace(diagnosis_page(result), quantities=result.record.quantities)
     if len(result) == 2:
         models, record = result
         scored = {name: score(model, record) for name, model in models.items()}
@@ -117,4 +120,5 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
         models, scored = {model.name: model}, {model.name: scores}
     from hysgen.report.model import ScoredModels, model_page
 
-    return model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
+    made = model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
+    return replace(made, quantities=record.quantities)

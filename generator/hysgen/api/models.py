@@ -16,6 +16,7 @@ from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
 from hysgen.diagnosis.inspection import Inspection
 from hysgen.diagnosis.inspection import inspect as inspect_record
+from hysgen.display import OWN, WRITTEN_IN, Quantities
 from hysgen.errors import FitError, RecordWarning
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
@@ -68,7 +69,7 @@ def fit(
     if memory is not False:
         size = PathSize(plays=memory) if isinstance(memory, int) and memory is not True else memory
         chosen = dataclasses.replace(chosen, memory=PathSize() if size is True else size)
-    warn(check_for_fit(record, chosen.rules, parameter_count(chosen, record)))
+    warn(check_for_fit(record, chosen.rules, parameter_count(chosen, record)), quantities=record.quantities)
     return fit_model(record, chosen, progress=progress)
 
 
@@ -76,7 +77,7 @@ def sound_record(given: Record | Any, gated: bool = False) -> Record:
     """The record of `record_of` without wrong readings (`Record.without_wrong_readings`), and a warning for each."""
     record = record_of(given)
     sound = record.without_wrong_readings(gated)
-    warn(sound.warnings[len(record.warnings) :], 4)
+    warn(sound.warnings[len(record.warnings) :], 4, record.quantities)
     return sound
 
 
@@ -98,12 +99,14 @@ def score(model: Model | str | Path, record: Record | Any, settle: int | None = 
     settle: samples at the start that are not scored; by default those that depend on an unknown past. Raises ModelError
     or RecordError.
     """
-    return score_model(model_of(model), sound_record(record), settle)
+    stage = model_of(model)
+    return score_model(stage, sound_record(record), settle).shown_in(stage.quantities)
 
 
 def inspect(record: Record | Any) -> Inspection:
     """Ranges, noise and excitation of a record, and what each cause needs to show. Raises RecordError."""
-    return inspect_record(sound_record(record))
+    sound = sound_record(record)
+    return inspect_record(sound).shown_in(sound.quantities)
 
 
 def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
@@ -113,7 +116,9 @@ def refit(model: Model, record: Record | Any, progress: Progress | None = None) 
 
 def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:
     """What changed from one model to another of the same structure; free-run errors of both on `records`."""
-    return compare_models(model_of(old), model_of(new), [sound_record(record) for record in records])
+    first = model_of(old)
+    compared = compare_models(first, model_of(new), [sound_record(record) for record in records])
+    return compared.shown_in(first.quantities)
 
 
 def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
@@ -137,12 +142,12 @@ def rivals(
 
 def certificates(model: Model) -> Certificates:
     """Contraction of the free run, gain and inverse over the whole range of a model."""
-    return certify(model_of(model))
+    return certify(model_of(model)).shown_in(model_of(model).quantities)
 
 
 def describe(model: Model) -> Dynamics:
     """A model as a dynamic system: time constant, gain, loop against frequency."""
-    return dynamics(model_of(model))
+    return dynamics(model_of(model)).shown_in(model_of(model).quantities)
 
 
 def simulate(
@@ -154,12 +159,12 @@ def simulate(
     range of the model is limited to it, with a warning. Raises ModelError or RecordError.
     """
     stage = own_response(model_of(model))
-    given = series_of(voltage, "voltage", columns_of(columns), stage.Ts_s)
+    given = series_of(voltage, "voltage", columns_of(columns).of(stage.quantities), stage.Ts_s)
     u_V = given.values
     outside = int(np.count_nonzero((u_V < stage.u_min_V) | (u_V > stage.u_max_V)))
     limited = f"{given.source}: {outside} voltages are outside {stage.u_min_V:g} .. {stage.u_max_V:g} V and limited"
     warn([*given.remarks, *([limited] if outside else [])])
-    segment = Segment("0", u_V, stage.simulate(u_V), {}, given.start_s)
+    segment = Segment("0", u_V, stage.simulate(u_V), {}, given.start_s, quantities=stage.quantities)
     return Record.from_segments([segment], stage.Ts_s, given.source)
 
 
@@ -184,12 +189,13 @@ def waveform(
     Raises ModelError or RecordError.
     """
     model = model_of(model)
-    wanted = reference_of(model, reference, form or Form(), columns_of(columns))
+    wanted = reference_of(model, reference, form or Form(), columns_of(columns).of(model.quantities))
     low_V, high_V = (model.u_min_V, model.u_max_V) if voltage_V is None else voltage_V
     limits = Limits(low_V, high_V, slew_V_s, acceleration_V_s2)
     if plays:
-        return learn(model, wanted, [record_of(play) for play in plays], limits, loop)
-    return plan(model, wanted, limits, periodic, loop)
+        repeats = [record_of(play) for play in plays]
+        return learn(model, wanted, repeats, limits, loop).shown_in(model.quantities)
+    return plan(model, wanted, limits, periodic, loop).shown_in(model.quantities)
 
 
 def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:
@@ -201,7 +207,8 @@ def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:
     return dataclasses.replace(settings, **changes)
 
 
-def warn(lines: Iterable[str], callers: int = 3) -> None:
-    """Warn of a record; a verb prints these warnings on stderr."""
+def warn(lines: Iterable[str], callers: int = 3, quantities: Quantities = OWN) -> None:
+    """Warn of a record of these quantities; a verb prints these warnings on stderr, in its own."""
     for line in lines:
-        warnings.warn(line, RecordWarning, stacklevel=callers)
+        text = line if WRITTEN_IN.get().other else quantities.text(line)
+        warnings.warn(text, RecordWarning, stacklevel=callers)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, TextIO
 
+from hysgen.display import WRITTEN_IN
 from hysgen.errors import RecordWarning
 from hysgen.machine.files import version, write_whole
 
@@ -134,7 +135,7 @@ class Console:
         self._progress.pause()
         if self.json_to != "-":
             try:
-                print(folded(text, self._width()), file=self.out, flush=True)
+                print(folded(WRITTEN_IN.get().text(text), self._width()), file=self.out, flush=True)
             except BrokenPipeError:
                 # Its reader has seen enough; the files of the verb are still wanted.
                 discard_stdout()
@@ -145,7 +146,7 @@ class Console:
             return
         self._progress.pause()
         with contextlib.suppress(BrokenPipeError):
-            print(folded(f"warning: {text}", self._width()), file=self.err, flush=True)
+            print(folded(f"warning: {WRITTEN_IN.get().text(text)}", self._width()), file=self.err, flush=True)
 
     @contextlib.contextmanager
     def warnings_of_records(self) -> Iterator[None]:
@@ -166,7 +167,7 @@ class Console:
     def progress(self, fraction: float, what: str) -> None:
         """Print the fraction done and what is being done (`ProgressLine`)."""
         if not self.quiet:
-            self._progress.show(fraction, what)
+            self._progress.show(fraction, WRITTEN_IN.get().text(what))
 
     def close(self) -> None:
         """End the progress; the verb is done or has failed."""
@@ -191,8 +192,11 @@ class Console:
 
     def with_head(self, result: Mapping[str, Any]) -> Mapping[str, Any]:
         """The result with its schema: `hysgen-VERB` in the version SCHEMA_VERSION, unless it has one of its own."""
-        head = {"schema": f"hysgen-{self.verb}", "version": SCHEMA_VERSION, "hysgen": version()}
-        return result if "schema" in result else head | dict(result)
+        head: dict[str, Any] = {"schema": f"hysgen-{self.verb}", "version": SCHEMA_VERSION, "hysgen": version()}
+        stated = WRITTEN_IN.get()
+        if stated.other:  # what stands in the keys that end so
+            head |= {"units": {"_V": stated.input_unit, "_um": stated.output_unit}}
+        return result if "schema" in result else head | stated.json(dict(result))
 
     def finish(self, result: Mapping[str, Any], holds: bool = True) -> int:
         """Write the result as JSON. Returns the exit code: 0 if the answer is yes, else 1."""

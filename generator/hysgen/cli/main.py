@@ -24,6 +24,7 @@ from typing import Any, NoReturn, TextIO
 from hysgen.cli.console import Console, discard_stdout, folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
+from hysgen.display import WRITTEN_IN, written_in
 from hysgen.errors import HysgenError
 from hysgen.machine.files import version
 from hysgen.machine.threads import LIBRARIES, require_room
@@ -187,9 +188,14 @@ def _run(words: list[str], program: Program) -> int:
     arguments = parser(names, program).parse_args(_negative_rows_joined(words))
     console = Console(json_to=arguments.json, verb=arguments.verb, quiet=arguments.quiet, verbose=arguments.verbose)
     check_outputs(arguments, arguments.outputs)
+    from hysgen.cli.options import quantities_of  # imports NumPy, which --version does without
+
     try:
-        with console.warnings_of_records():
-            code = int(arguments.run(arguments, console))
+        with console.warnings_of_records(), written_in(quantities_of(arguments)):
+            try:
+                code = int(arguments.run(arguments, console))
+            except HysgenError as fault:
+                raise HysgenError(WRITTEN_IN.get().text(str(fault))) from fault
     finally:
         console.close()
     sys.stdout.flush()

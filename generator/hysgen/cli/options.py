@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import sys
 import tempfile
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.errors import RecordError
+from hysgen.codegen.manifest import MANIFEST
+from hysgen.display import WRITTEN_IN, Quantities
+from hysgen.errors import HysgenError, RecordError
+from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.record import Columns, Record, load_record
@@ -36,7 +40,8 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         help="names, units and separators of the file, as voltage=force_N,displacement=x_nm,separator=tab,Ts_s=2e-5; "
         "keys: "
         f"{', '.join(field.name for field in dataclasses.fields(Columns))} (default: guessed, and said); "
-        "aux=NAME once for each further channel",
+        "aux=NAME once for each further channel, as aux=a,aux=b; input=field [mT],output=angle [deg] for two other "
+        "quantities, each with its unit",
     )
     parser.add_argument(
         "--accept", choices=ACCEPTABLE, action="append", default=[], help="take a record in spite of this finding"
@@ -64,7 +69,7 @@ def read_records(
     with tempfile.TemporaryDirectory() as folder:
         record = load_record(
             [_from_stdin(Path(folder)) if path == "-" else Path(path) for path in paths],
-            columns,
+            columns.of(WRITTEN_IN.get()),
             jitter=arguments.jitter,
             accept=arguments.accept,
             split_at_gaps=arguments.split_at_gaps,
@@ -75,6 +80,18 @@ def read_records(
     if echo:
         console.say(record.one_line())
     return record
+
+
+def quantities_of(arguments: argparse.Namespace) -> Quantities:
+    """The quantities that a call is about: those of --columns, else of the first model or folder of C that it names."""
+    with contextlib.suppress(HysgenError, OSError, StopIteration):
+        if (stated := Columns.from_text(getattr(arguments, "columns", "")).quantities).other:
+            return stated
+        named = [getattr(arguments, name, None) for name in ("model", "old", "folder")]
+        place = Path(next(name for name in named if name))
+        inside = sorted(path for path in place.glob("*.json") if path.name != MANIFEST) if place.is_dir() else [place]
+        return load_model(inside[-1]).quantities
+    return Quantities()
 
 
 def _from_stdin(folder: Path) -> Path:

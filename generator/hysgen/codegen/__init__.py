@@ -6,6 +6,7 @@ model and options give the same bytes on every machine and at any time.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +22,7 @@ from hysgen.codegen.parameters import Table, error_section, numbers_digest
 from hysgen.codegen.render import context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
+from hysgen.display import decimal
 from hysgen.errors import CertificateError, HysgenError, ModelError
 from hysgen.float32.reference.accuracy import Accuracy
 from hysgen.machine.files import digest, write_whole
@@ -73,6 +75,7 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     }
     costs = {name: f"{counts.describe()}.\n * C674x: {cycles[name]}." for name, counts in counted.operations.items()}
     texts = _firmware(model.name, facts, costs, counted.struct_bytes)
+    texts = {name: in_quantities(model, name, text) for name, text in texts.items()}
     texts[model_file(model)] = dump_model(model)
     summary = {
         "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz, **_stated_budget(chosen)},
@@ -87,6 +90,25 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     return texts | {MANIFEST: manifest(model, texts, summary)}
 
 
+def in_quantities(model: Model, path: str, text: str) -> str:
+    """The text of a file in the model's quantities; in C, comments and strings. A line says what identifiers hold.
+
+    The C of one structure is the same for all quantities but for its comments, so firmware that calls it is, too.
+    """
+    stated = model.quantities
+    if not stated.other:
+        return text
+    if not path.endswith((".c", ".h")):
+        return stated.text(text)
+    text = re.sub(r'/\*.*?\*/|"[^"\n]*"', lambda part: stated.text(part[0]), text, flags=re.DOTALL)
+    return re.sub(r"\A/\*(.*?)( ?\*/)", rf"/*\1\n * Here {names_hold(model)}.\2", text, count=1, flags=re.DOTALL)
+
+
+def names_hold(model: Model) -> str:
+    """What the identifiers of the C hold, which are the same for all quantities."""
+    return f"names that end in _um hold {model.quantities.output_unit}, in _V {model.quantities.input_unit}"
+
+
 def _require_resolution(model: Model) -> None:
     """Raise ModelError if the step of float32 at the end of the displacement range exceeds half the noise."""
     low_um, high_um = model.grid.y_min_um, model.grid.y_max_um
@@ -94,9 +116,9 @@ def _require_resolution(model: Model) -> None:
     noise_um = float(model.scores.get("identification", {}).get("noise_floor", {}).get("rms_um", 0.0))
     if step_um > max(0.5 * noise_um, LEAST_RESOLVED * (high_um - low_um)):
         raise ModelError(
-            f"{model.name}: at {high_um:.9g} um float32 has steps of {1e3 * step_um:.3g} nm, more than half the noise "
-            f"({0.5e3 * noise_um:.3g} nm); take {low_um:.9g} um off the displacement, in the record before the fit and "
-            "in the controller"
+            f"{model.name}: at {high_um:.9g} um float32 has steps of {decimal(step_um, 3)} um, more than half the "
+            f"noise ({decimal(0.5 * noise_um, 3)} um); take {low_um:.9g} um off the displacement, in the record before "
+            "the fit and in the controller"
         )
 
 

@@ -193,7 +193,7 @@ def unexplained_structure(prepared: Prepared, result: Residual, noise: NoiseFloo
         return None
     words = residual_in_words(residual, prepared, rows)
     friction = f"which changes within {100 * NEAR} % of the way, as if the stage sticks and slips; " if sticks else ""
-    return f"{1e3 * level:.3g} nm are left ({100 * level / span:.2g} % of the stroke), {friction}{words}"
+    return f"{decimal(level, 3)} um are left ({100 * level / span:.2g} % of the stroke), {friction}{words}"
 
 
 def changing_within(result: Residual, way_um: float, noise_um: float) -> float:

@@ -97,7 +97,7 @@ def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult
                 state.current, added = step, {}
             break
         least_um[structure(step.chain)] = step.fit.rms_um
-        progress(f"{', '.join(present(step.chain)) or 'lag'}: {1e3 * rms(step.fit.error[part.rows]):.3g} nm")
+        progress(f"{', '.join(present(step.chain)) or 'lag'}: {rms(step.fit.error[part.rows]):.3g} um")
         state.current = step
         before = len(usable.rows)
         usable, corrupted = _without_outliers(scene, step.fit)

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from hysgen.codegen import Options, generate
+from hysgen.codegen import Options, generate, in_quantities
 from hysgen.errors import HysgenError
 from hysgen.export.base import Draft, Export, Written
 from hysgen.export.component import component_facts
@@ -81,4 +81,8 @@ def _texts(export: Export, draft: Draft) -> dict[str, str]:
     texts = {f"model/{file}": text for file, text in draft.generated.items()}
     texts |= draft.rendered(export.files)
     texts |= export.sources(draft)
-    return texts | ({"README.md": draft.readme(export.readme)} if export.readme else {})
+    texts |= {"README.md": draft.readme(export.readme)} if export.readme else {}
+    own = {
+        path: in_quantities(draft.model, path, text) for path, text in texts.items() if not path.startswith("model/")
+    }
+    return texts | own

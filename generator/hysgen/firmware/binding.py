@@ -59,6 +59,10 @@ def require_drivable(model: Model) -> None:
             f"{model.name}: has no learner settings, whose commit certifies parameter images; fit or generate with "
             "a learner"
         )
+    if model.quantities.other:
+        raise ModelError(
+            f"{model.name}: has quantities that the firmware's board layer does not set and read ('V', 'um')"
+        )
     if channels_of(model.terms):
         raise ModelError(f"{model.name}: listens to auxiliary channels, which the firmware's board layer does not have")
 

@@ -250,6 +250,7 @@ def _model(record: Record, settings: FitSettings, structure: Structure, paramete
         terms=structure.terms,
         weights=parameters[cut:].copy(),
         blocks=structure.blocks,
+        quantities=record.quantities,
     )
 
 

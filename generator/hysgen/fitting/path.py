@@ -224,6 +224,7 @@ def path_model(problem: PathColumns, trust: Trust) -> Model:
         terms=task.terms,
         weights=np.asarray(theta),
         blocks=tuple(sorted((*parts, block), key=lambda part: part.place)),
+        quantities=task.record.quantities,
     )
     return dataclasses.replace(model, grid=_covering(model, task.whole))
 

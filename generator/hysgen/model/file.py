@@ -18,11 +18,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.errors import ModelError
+from hysgen.display import Quantities
+from hysgen.errors import HysgenError, ModelError
 from hysgen.machine.files import write_whole
 from hysgen.model.disturbances import Term, term_from_json
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.model import SCHEMA, UNITS, VERSION, Grid, Model
+from hysgen.model.model import SCHEMA, VERSION, Grid, Model
 from hysgen.model.path import InputBlock, block_from_json
 
 SUFFIX = ".json"
@@ -122,8 +123,6 @@ def _model(data: Mapping[str, Any]) -> Model:
         raise ModelError(f"version: {data.get('version')!r} is not {VERSION}; read it with the hysgen that wrote it")
     for unknown in data.keys() - set(_FIELDS):
         raise ModelError(f"{unknown}: no such field in version {VERSION}; remove it")
-    if _get(data, "units") != UNITS:
-        raise ModelError(f"units: {data['units']!r} instead of {UNITS!r}; convert the numbers and write these units")
     grid = _object(_get(data, "grid"), "grid")
     input_range = _numbers(_get(data, "input_range_V"), "input_range_V", 2)
     rules = _integer(_get(grid, "rules", "grid."), "grid.rules")
@@ -148,6 +147,7 @@ def _model(data: Mapping[str, Any]) -> Model:
         weights=_numbers(_get(data, "weights"), "weights"),
         blocks=_blocks(_list(_get(data, "blocks"), "blocks")),
         learner=LearnerSettings.from_json(_object(data["learner"], "learner")) if "learner" in data else None,
+        quantities=_quantities(_object(_get(data, "units"), "units")),
         history=_object(_get(data, "history"), "history"),
         scores=_object(_get(data, "scores"), "scores"),
         certificates=_object(_get(data, "certificates"), "certificates"),
@@ -157,6 +157,18 @@ def _model(data: Mapping[str, Any]) -> Model:
 def _centres_range(value: Any) -> tuple[float, float]:
     first, last = _numbers(value, "grid.spread_um", 2)
     return float(first), float(last)
+
+
+def _quantities(units: Mapping[str, Any]) -> Quantities:
+    """From the units by quantity: of the time, the input and the output. A voltage is in V, a displacement in um."""
+    names, own = list(units), Quantities()
+    known = {"time": "s", own.input: own.input_unit, own.output: own.output_unit}
+    if len(names) != 3 or names[0] != "time" or any(units[name] != known.get(name, units[name]) for name in names):
+        raise ModelError(f"units: {dict(units)!r} instead of {known!r}; convert the numbers and write these units")
+    try:
+        return Quantities.of(*(f"{name} [{units[name]}]" for name in names[1:]))
+    except HysgenError as fault:
+        raise ModelError(f"units: {fault}") from fault
 
 
 def _terms(entries: Sequence[Any]) -> tuple[Term, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysgen import upward
-from hysgen.display import Displayed, Summary
+from hysgen.display import OWN, Displayed, Quantities, Summary
 from hysgen.errors import ModelError
 from hysgen.model import simulate
 from hysgen.model.disturbances import Term
@@ -35,8 +35,6 @@ MOST_TS_S = 1e6
 
 SCHEMA = "hysgen-model"
 VERSION = 1
-UNITS = {"time": "s", "voltage": "V", "displacement": "um"}
-"""Of the model file."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +113,7 @@ class Model(Displayed):
     u_min_V, u_max_V: input range of model and certificates; inputs outside are clamped.
     blocks: input blocks between the command and the stage, in the order of the signal.
     learner: settings of the generated learner; None generates no learner.
+    quantities: what u_V and y_um are, if not a voltage and a displacement.
     history: origin (fit settings, record digest); scores: measured errors; certificates: guarantees. Plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
     """
@@ -129,6 +128,7 @@ class Model(Displayed):
     weights: Floats = field(default_factory=lambda: np.zeros(0))
     blocks: tuple[InputBlock, ...] = ()
     learner: LearnerSettings | None = None
+    quantities: Quantities = OWN
     history: Mapping[str, Any] = field(default_factory=dict)
     scores: Mapping[str, Any] = field(default_factory=dict)
     certificates: Mapping[str, Any] = field(default_factory=dict)
@@ -182,12 +182,12 @@ class Model(Displayed):
 
     def to_json(self) -> dict[str, Any]:
         """The content of the model file as plain JSON values, in the order of the file."""
-        centres = self.grid.centres_range_um
+        centres, q = self.grid.centres_range_um, self.quantities
         return {
             "schema": SCHEMA,
             "version": VERSION,
             "name": self.name,
-            "units": dict(UNITS),
+            "units": {"time": "s", q.input: q.input_unit, q.output: q.output_unit},
             "Ts_s": float(self.Ts_s),
             "grid": {
                 "y_min_um": float(self.grid.y_min_um),
@@ -202,8 +202,8 @@ class Model(Displayed):
             "blocks": [block.to_json() for block in self.blocks],
             **({} if self.learner is None else {"learner": self.learner.to_json()}),
             "history": dict(self.history),
-            "scores": dict(self.scores),
-            "certificates": dict(self.certificates),
+            "scores": q.json(dict(self.scores)),
+            "certificates": q.json(dict(self.certificates)),
         }
 
     def simulate(

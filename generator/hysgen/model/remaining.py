@@ -144,16 +144,14 @@ class _Group:
 
     def text(self, amounts: Floats) -> str:
         """The description with its size. amounts: (p,) weights of the columns."""
-        course_nm = 1e3 * (amounts @ self.columns)
+        course_um = amounts @ self.columns
         if self.cause == "past":
-            return f"{self.label}: {course_nm[0]:.3g} nm on the first scored row, {course_nm[-1]:.3g} nm on the last"
+            return f"{self.label}: {course_um[0]:.3g} um on the first scored row, {course_um[-1]:.3g} um on the last"
         if self.cause == "periodic":
-            return f"{self.label}: {1e3 * float(np.hypot(*amounts)):.3g} nm off the model's"
+            return f"{self.label}: {float(np.hypot(*amounts)):.3g} um off the model's"
         if self.at is None:
-            return f"{self.label}: {float(np.ptp(course_nm)):.3g} nm over the scored rows"
-        return (
-            f"{self.label} by {1e3 * amounts[0]:+.3g} nm" if len(amounts) == 1 else f"{self.label} by {amounts[1]:+.2%}"
-        )
+            return f"{self.label}: {float(np.ptp(course_um)):.3g} um over the scored rows"
+        return f"{self.label} by {amounts[0]:+.3g} um" if len(amounts) == 1 else f"{self.label} by {amounts[1]:+.2%}"
 
 
 def take_out(

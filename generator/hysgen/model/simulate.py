@@ -192,6 +192,7 @@ def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Dr
             f"{record.source}: sampled every {record.Ts_s:g} s, but model {model.name} steps every {model.Ts_s:g} s; "
             "resample the record or fit a model at its rate"
         )
+    record.require_quantities(model.quantities)
     steady = [term.kind for term in model.terms if not term.follows_measurements]
     following = [term.kind for term in model.terms if term.follows_measurements]
     whole = record.whole()
@@ -238,7 +239,8 @@ def predicted_array(
     u, y = series(u_V, "u_V"), series(y_um, "y_um")
     given = {name: series(values, name, u.size) for name, values in (channels or {}).items()}
     _need_channels(model, given)
-    record = Record.from_segments([Segment("0", u, series(y, "y_um", u.size), given)], model.Ts_s)
+    segment = Segment("0", u, series(y, "y_um", u.size), given, quantities=model.quantities)
+    record = Record.from_segments([segment], model.Ts_s)
     return one_step(model, record)[0].y_um
 
 

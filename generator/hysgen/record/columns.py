@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.display import Quantities
 from hysgen.errors import RecordError
 
 VOCABULARY: dict[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
@@ -50,6 +51,8 @@ class Columns:
     time_unit, voltage_unit, displacement_unit: None takes the unit that ends the name ("x_nm" is nm), else s, V, um.
         A number before the unit is what one in the file is: "10um" for a sensor of 10 um a volt, "-1um" for an inverted
         one, "100V" for a monitor of 1:100.
+    input, output: two other quantities in the columns voltage and displacement, each with its unit, as "field [mT]" and
+        "angle [deg]"; both or none. These columns are then called field_mT and angle_deg, if not named.
     segment: column or array with the number of the unbroken run; used if the file has it.
     aux: further channels to read, each "name" or "new_name=name"; None reads every other numeric column, () reads none.
     separator: one character, or comma, semicolon, tab, space; None detects it in the header.
@@ -67,6 +70,8 @@ class Columns:
     time_unit: str | None = None
     voltage_unit: str | None = None
     displacement_unit: str | None = None
+    input: str | None = None
+    output: str | None = None
     segment: str = "segment"
     aux: tuple[str, ...] | None = None
     separator: str | None = None
@@ -75,12 +80,18 @@ class Columns:
     shift: int = 0
 
     def __post_init__(self) -> None:
+        if (self.input is None) != (self.output is None):
+            raise RecordError("columns: input and output are given together, as input=field [mT],output=angle [deg]")
+        if (stated := self.quantities).other:
+            for role, own in zip(("voltage", "displacement"), stated.columns, strict=True):
+                if getattr(self, role) == OWN[role]:
+                    object.__setattr__(self, role, own)
         for role in UNITS:
             unit = getattr(self, f"{role}_unit")
-            if unit is not None and conversion(role, unit) is None:
+            if unit is not None and conversion(self.units_of(role), unit) is None:
                 raise RecordError(
-                    f"{role}_unit: '{unit}' is not known; choose from {', '.join(UNITS[role])}, or give what "
-                    f"one in the file is, as 10{BASE[role]}"
+                    f"{role}_unit: '{unit}' is not known; choose from {', '.join(self.units_of(role))}, or give what "
+                    f"one in the file is, as 10{self.base(role)}"
                 )
         if self.separator is not None and len(SEPARATORS.get(self.separator, self.separator)) != 1:
             raise RecordError(
@@ -132,17 +143,43 @@ class Columns:
                 given[key] = value
         return cls(**given)
 
+    def of(self, quantities: Quantities) -> Columns:
+        """The columns for a file of these quantities, if none are stated."""
+        if self.quantities.other or not quantities.other:
+            return self
+        q = quantities
+        return replace(self, input=f"{q.input} [{q.input_unit}]", output=f"{q.output} [{q.output_unit}]")
+
     def named(self, names: Mapping[str, str], units: Mapping[str, str] | None = None) -> Columns:
         """The columns with these names and units by role."""
         fields: dict[str, Any] = {**names, **{f"{role}_unit": unit for role, unit in (units or {}).items()}}
         return replace(self, **fields)
 
+    @property
+    def quantities(self) -> Quantities:
+        """What stands in the columns voltage and displacement."""
+        return Quantities() if self.input is None or self.output is None else Quantities.of(self.input, self.output)
+
+    def units_of(self, role: str) -> Mapping[str, tuple[float, float]]:
+        """The units of `role`, each as (multiply by, divide by): of another quantity than hysgen's own, one."""
+        stated = self.quantities
+        other = {"voltage": stated.input_unit, "displacement": stated.output_unit}
+        return {other[role]: (1.0, 1.0)} if stated.other and role in other else UNITS[role]
+
+    def base(self, role: str) -> str:
+        """The unit in which `role` is computed: s, V, um, or that of another quantity."""
+        return next(unit for unit, scale in self.units_of(role).items() if scale == (1.0, 1.0))
+
     def unit(self, role: str) -> str:
         """Unit of `role` ("time", "voltage", "displacement"): as given, else the suffix of its name, else s, V, um."""
         given = getattr(self, f"{role}_unit")
         if given is not None:
-            return plain_unit(given)
-        return self.unit_in_name(role) or BASE[role]
+            return self.plain(role, given)
+        return self.unit_in_name(role) or self.base(role)
+
+    def plain(self, role: str, unit: str) -> str:
+        """The unit of `role` in the spelling of `units_of`."""
+        return unit.strip() if unit.strip() in self.units_of(role) else plain_unit(unit)
 
     def unit_in_name(self, role: str) -> str | None:
         """Unit in the suffix of the column's name, as in "x_nm", "x [nm]" or "x (nm)"; None without a unit.
@@ -153,20 +190,27 @@ class Columns:
         _, text = split_unit(name)
         bracketed = name.rstrip().endswith(("]", ")", ">"))
         # "u_in" is an input, and a time may count steps or ticks.
-        if text is None or (not bracketed and plain_unit(text) not in UNITS[role] and role_may_end_in(role, text)):
+        if self.quantities.other and role != "time" and not bracketed:  # of free units, a bare ending says nothing
+            text = name.rpartition("_")[2] if name.rpartition("_")[2] == self.base(role) else text
+        elif text is not None and not bracketed and plain_unit(text) not in UNITS[role] and role_may_end_in(role, text):
+            return None
+        if text is None:
             return None
         self.check_unit(role, text)
-        return plain_unit(text)
+        return self.plain(role, text)
 
     def check_unit(self, role: str, unit: str, source: str = "") -> None:
         """Raises RecordError for a unit in a name or in a row of units that is none of the role's."""
-        if plain_unit(unit) not in UNITS[role]:
-            name = getattr(self, role)
-            scaled = f"; if one {unit} is 10 {BASE[role]}, {role}_unit=10{BASE[role]}" if role != "time" else ""
+        if self.plain(role, unit) not in self.units_of(role):
+            name, base = getattr(self, role), self.base(role)
+            scaled = f"; if one {unit} is 10 {base}, {role}_unit=10{base}" if role != "time" else ""
+            if role != "time" and not self.quantities.other:
+                scaled += "; if it is another quantity, say both, as input=field [mT],output=angle [deg]"
             where = f"{source}: " if source else ""
+            unit = f"'{unit}'" if self.quantities.other else unit
             raise RecordError(
-                f"{where}the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {BASE[role]} "
-                f'all the same, give --columns "{role}={name},{role}_unit={BASE[role]}"{scaled}'
+                f"{where}the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {base} "
+                f'all the same, give --columns "{role}={name},{role}_unit={base}"{scaled}'
             )
 
     def in_base_unit(self, role: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -176,7 +220,7 @@ class Columns:
 
     def scale(self, role: str) -> tuple[float, float]:
         """(multiply by, divide by) from the unit of `role` in the file to s, V or um."""
-        return conversion(role, self.unit(role)) or (1.0, 1.0)
+        return conversion(self.units_of(role), self.unit(role)) or (1.0, 1.0)
 
     def aux_pairs(self) -> tuple[tuple[str, str], ...] | None:
         """(name in the record, name in the file) of the requested further channels; None if `aux` is None."""
@@ -191,7 +235,7 @@ class Columns:
             for role in UNITS
             if getattr(self, f"{role}_unit") is None
             and (unit := self.unit_in_name(role)) is not None
-            and unit != BASE[role]
+            and unit != self.base(role)
         )
 
 
@@ -223,19 +267,23 @@ def plain_unit(unit: str) -> str:
 _SCALED = re.compile(r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*([^\d\s/.]+)(?:\s*/\s*\S+)?")
 
 
-def conversion(role: str, unit: str) -> tuple[float, float] | None:
-    """(multiply by, divide by) for s, V or um; None for a unit that is not known.
+def conversion(units: Mapping[str, tuple[float, float]], unit: str) -> tuple[float, float] | None:
+    """(multiply by, divide by) from a unit among `units`, perhaps with a number before it; None for any other.
 
-    >>> conversion("displacement", "nm"), conversion("displacement", "2.5 um/V"), conversion("voltage", "m")
+    >>> lengths = UNITS["displacement"]
+    >>> conversion(lengths, "nm"), conversion(lengths, "2.5 um/V"), conversion(UNITS["voltage"], "m")
     ((1.0, 1000.0), (2.5, 1.0), None)
     """
-    units = UNITS[role]
-    if plain_unit(unit) in units:
-        return units[plain_unit(unit)]
+    plain = unit.strip() if unit.strip() in units else plain_unit(unit)
+    if plain in units:
+        return units[plain]
     scaled = _SCALED.fullmatch(unit.strip())
-    if scaled is None or plain_unit(scaled.group(2)) not in units or float(scaled.group(1)) == 0.0:
+    if scaled is None or float(scaled.group(1)) == 0.0:
         return None
-    multiply, divide = units[plain_unit(scaled.group(2))]
+    plain = scaled.group(2) if scaled.group(2) in units else plain_unit(scaled.group(2))
+    if plain not in units:
+        return None
+    multiply, divide = units[plain]
     return float(scaled.group(1)) * multiply, divide
 
 

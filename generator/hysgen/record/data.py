@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysgen.display import Displayed, Summary
+from hysgen.display import Displayed, Quantities, Summary
 from hysgen.errors import RecordError
 from hysgen.record.checks import check_marks, check_values
 from hysgen.record.columns import Columns
@@ -149,6 +149,21 @@ class Record(Displayed):
         return np.concatenate([one.start_s + self.Ts_s * np.arange(one.samples) for one in self.segments])
 
     @property
+    def quantities(self) -> Quantities:
+        """What drives the stage and what it answers, with their units."""
+        return self.segments[0].quantities
+
+    def require_quantities(self, wanted: Quantities) -> None:
+        """Raises RecordError if the record is of other quantities, or in other units, than a model or a record."""
+        if self.quantities != wanted:
+            both = (self.quantities, wanted)
+            a, b = (f"'{q.input}' in '{q.input_unit}' and '{q.output}' in '{q.output_unit}'" for q in both)
+            raise RecordError(
+                f"{self.source}: holds {a}, not {b}; read it with --columns "
+                f'"input={wanted.input} [{wanted.input_unit}],output={wanted.output} [{wanted.output_unit}]"'
+            )
+
+    @property
     def fs_Hz(self) -> float:
         """Sampling rate in Hz."""
         return 1.0 / self.Ts_s
@@ -173,6 +188,7 @@ class Record(Displayed):
             raise RecordError("no record given; name at least one")
         first = records[0]
         for other in records[1:]:
+            other.require_quantities(first.quantities)
             if abs(other.Ts_s - first.Ts_s) > SAME_PERIOD * first.Ts_s:
                 raise RecordError(
                     f"{other.source}: sampled every {other.Ts_s:g} s, but {first.source} every {first.Ts_s:g} s; "

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import BASE, OWN, UNITS, VOCABULARY, Columns, plain_unit, role_may_end_in, split_unit
+from hysgen.record.columns import OWN, UNITS, VOCABULARY, Columns, plain_unit, role_may_end_in, split_unit
 
 WORDS = {role: tuple(words.split()) for role, words in VOCABULARY["roles"].items()}
 """Words of each role, the plainest first: an earlier word wins over a later one."""
@@ -48,7 +48,7 @@ def doubts(columns: Columns) -> tuple[str, ...]:
         last = words[-1] if len(words) > 1 else ""
         plain = last.lower() in PLAIN or any(map(str.isdigit, last)) or last in "xyzuvrXYZUVR"
         if not plain and not any(last.lower() in roles for roles in WORDS.values()) and not _compound(last.lower()):
-            base = BASE[role]
+            base = columns.base(role)
             lines.append(f"{name} is read in {base}; if '{last}' is its unit, say what one is: {role}_unit=10{base}")
     return tuple(lines)
 

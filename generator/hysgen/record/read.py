@@ -95,7 +95,8 @@ def load_series(
         content = table_arrays(file.name, content, columns)
     size = max((array.shape[0] for array in content.arrays.values() if array.ndim), default=0)
     # The other quantity, under hysgen's own name, so that the readers of records read the file.
-    stand_in = {OWN[other]: np.arange(float(size))} if OWN[other] not in content.arrays else {}
+    absent = getattr(columns, other) if columns.quantities.other else OWN[other]
+    stand_in = {absent: np.arange(float(size))} if absent not in content.arrays else {}
     read = of_file_arrays(file.name, replace(content, arrays={**content.arrays, **stand_in}), columns)
     run = read.runs[0]
     check_finite(run)
@@ -115,14 +116,15 @@ def record_csv(record: Record) -> str:
 
     Columns time_s, voltage_V, displacement_um, the further channels, and segment (0, 1, ...) if there are several.
     """
-    columns: dict[str, list[float]] = {"time_s": [], "voltage_V": [], "displacement_um": []}
+    voltage, displacement = record.quantities.columns
+    columns: dict[str, list[float]] = {"time_s": [], voltage: [], displacement: []}
     columns.update((name, []) for name in record.aux_names)
     if len(record.segments) > 1:
         columns["segment"] = []
     for number, segment in enumerate(record.segments):
         columns["time_s"].extend(segment.start_s + k * record.Ts_s for k in range(segment.samples))
-        columns["voltage_V"].extend(segment.u_V.tolist())
-        columns["displacement_um"].extend(segment.y_um.tolist())
+        columns[voltage].extend(segment.u_V.tolist())
+        columns[displacement].extend(segment.y_um.tolist())
         for name in record.aux_names:
             columns[name].extend(segment.aux[name].tolist())
         if "segment" in columns:

@@ -49,7 +49,8 @@ def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
     def column(role: str, name: str) -> NDArray[np.float64]:
         if name not in there:
             # A column may have the word of the role, and the unit of another quantity.
-            for other in table.names if role in ("voltage", "displacement") and len(table.names) > 1 else ():
+            roles = () if columns.quantities.other or len(table.names) == 1 else ("voltage", "displacement")
+            for other in table.names if role in roles else ():
                 if set(words_of(other)) & set(WORDS[role]) and (unit := split_unit(other)[1]):
                     columns.named({role: other}).check_unit(role, unit, source)
             cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
@@ -333,9 +334,12 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
     if not any("exchanged" in line for line in warnings):
         doubts += relation(readings, Ts_s)
     doubts += held(readings, Ts_s)
-    if columns.displacement_unit is None and columns.unit("displacement") == "um":
+    if columns.displacement_unit is None and not columns.quantities.other and columns.unit("displacement") == "um":
         doubts += scale(readings)
-    segments = [Segment(run.name, run.u_V, run.y_um, run.aux, float(run.stamps_s[:1].sum())) for run in runs]
+    segments = [
+        Segment(run.name, run.u_V, run.y_um, run.aux, float(run.stamps_s[:1].sum()), quantities=columns.quantities)
+        for run in runs
+    ]
     named = (
         f"{source}: {line.removeprefix(f'{source}: ')}"
         for line in (*columns.remarks(), *doubts_of_units(columns), *remarks)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hysgen.display import OWN, Quantities
 from hysgen.errors import RecordError
 
 
@@ -47,6 +48,7 @@ class Segment:
     start_s: time stamp of the first sample in s.
     past: the samples right before the first, of a segment that was cut; a simulation runs through them, and nothing
         is fitted to them or scored on them. None if nothing is known of the time before the first sample.
+    quantities: what stands in u_V and y_um, if not a voltage and a displacement.
     stamps_s, origin: time stamps as the file has them, (n,) or (0,), and the names for messages, both only while a
         file is read; a record has its period instead.
 
@@ -59,6 +61,7 @@ class Segment:
     aux: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     start_s: float = 0.0
     past: Segment | None = None
+    quantities: Quantities = OWN
     stamps_s: NDArray[np.float64] = field(default_factory=lambda: NO_STAMPS)
     origin: Origin = ARRAYS
 
@@ -99,6 +102,7 @@ class Segment:
             y_um=np.concatenate([part.y_um for part in parts]),
             aux={key: np.concatenate([part.aux[key] for part in parts]) for key in self.aux},
             start_s=parts[0].start_s,
+            quantities=self.quantities,
         )
 
     def raised(self, level_um: float) -> Segment:

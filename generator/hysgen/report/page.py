@@ -24,11 +24,12 @@ from hysgen.certify.dynamics import dynamics
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost
 from hysgen.codegen.render import template_environment
+from hysgen.display import WRITTEN_IN, Quantities, written_in
 from hysgen.machine.files import digest, version, write_whole
 from hysgen.machine.processes import in_processes
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
-from hysgen.report.plots.style import Picture, data_uri
+from hysgen.report.plots.style import Picture, data_uri, named
 from hysgen.uncertainty.simulated import Characterisation
 
 GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
@@ -70,8 +71,9 @@ class PageTable:
     @property
     def csv_uri(self) -> str:
         """The table as CSV inside a `data:` address."""
-        stream = io.StringIO()
-        csv.writer(stream, lineterminator="\n").writerows([list(self.header), *map(list, self.cells)])
+        stream, words = io.StringIO(), WRITTEN_IN.get().text
+        rows = [[words(cell) for cell in row] for row in (self.header, *self.cells)]
+        csv.writer(stream, lineterminator="\n").writerows(rows)
         return "data:text/csv;base64," + base64.b64encode(stream.getvalue().encode()).decode()
 
     @property
@@ -104,13 +106,20 @@ class Page:
     lead: Sequence[str]
     figures: Sequence[KeyFigure]
     sections: Sequence[PageSection]
+    quantities: Quantities | None = None
 
     def html(self) -> str:
-        """The page as one HTML document."""
-        figures = [picture.figure for section in self.sections for picture in section.pictures]
+        """The page as one HTML document, in the page's quantities, or in those in which texts are written."""
+        with written_in(self.quantities or WRITTEN_IN.get()):
+            return self._html()
+
+    def _html(self) -> str:
+        figures = [named(picture.figure) for section in self.sections for picture in section.pictures]
         images = dict(zip(map(id, figures), in_processes(data_uri, figures), strict=True))
         template = _environment().get_template("report/page.html.j2")
-        return template.render(page=self, image=lambda figure: images[id(figure)], version=version())
+        text = template.render(page=self, image=lambda figure: images[id(figure)], version=version())
+        words = WRITTEN_IN.get().text  # of all but the pictures and tables inside addresses
+        return "".join(part if part.startswith('"data:') else words(part) for part in re.split(r'("data:[^"]*")', text))
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the page, whole or not at all. Returns its path."""

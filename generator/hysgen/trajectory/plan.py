@@ -54,8 +54,8 @@ class Learning:
 
     def lines(self) -> list[str]:
         """Errors of the repeats, and what the next one does."""
-        errors = "; ".join(f"{1e3 * rms_um:.4g} nm" for rms_um in self.rms_um)
-        lines = [f"repeats so far: {errors} rms; what does not repeat: {1e3 * self.noise_um:.3g} nm"]
+        errors = "; ".join(f"{rms_um:.4g} um" for rms_um in self.rms_um)
+        lines = [f"repeats so far: {errors} rms; what does not repeat: {self.noise_um:.3g} um"]
         if self.base < len(self.rms_um):
             lines.append(
                 f"the last repeat is WORSE: repeat {self.base} is the base; where errors grew, nothing is learnt"

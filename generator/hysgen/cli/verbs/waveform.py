@@ -14,7 +14,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
-from hysgen.display import Displayed
+from hysgen.display import WRITTEN_IN, Displayed
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.record.csv_text import write_csv
@@ -84,7 +84,7 @@ def waveform_arguments(parser: argparse.ArgumentParser) -> None:
 def run_simulate(arguments: argparse.Namespace, console: Console) -> int:
     answer = simulate(load_model(arguments.model), arguments.record, arguments.columns)
     console.say(answer.one_line())
-    _write(arguments, answer.time_s, {"displacement_um": answer.y_um}, answer, console)
+    _write(arguments, answer.time_s, {answer.quantities.columns[1]: answer.y_um}, answer, console)
     ends = {"voltage_V": list(answer.u_range_V), "displacement_um": list(answer.y_range_um)}
     return console.finish({"source": answer.source, "samples": answer.samples, "Ts_s": answer.Ts_s, **ends})
 
@@ -106,7 +106,7 @@ def run_waveform(arguments: argparse.Namespace, console: Console) -> int:
         plays=arguments.learn,
     )
     console.say(str(plan))
-    _write(arguments, plan.time_s, {"voltage_V": plan.u_V}, plan, console)
+    _write(arguments, plan.time_s, {WRITTEN_IN.get().columns[0]: plan.u_V}, plan, console)
     return console.finish(plan.to_json(), plan.holds)
 
 

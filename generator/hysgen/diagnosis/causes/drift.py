@@ -28,6 +28,7 @@ from hysgen.diagnosis.probe import (
     standard_errors,
     whitened_fit,
 )
+from hysgen.display import decimal
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.model import Model
 from hysgen.record.excitation import Excitation
@@ -168,7 +169,7 @@ class DriftCause(Cause):
         z = abs(drift.size_um) / max(error, 1e-15)
         shares = [_seen(residual, sign) for sign in (1.0, -1.0)]
         alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
-        size = f"{1e3 * drift.size_um:.3g} nm {{}} +- {1e3 * error:.1g}"
+        size = f"{decimal(drift.size_um, 3)} um {{}} +- {decimal(error, 1)}"
         if drift.since_s is None:
             text = f"{size.format('per second')} whatever the input does {alike}"
             parameters = {"ramp_um_per_s": Estimate(drift.size_um, error)}

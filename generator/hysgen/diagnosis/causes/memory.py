@@ -12,6 +12,7 @@ from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Sign
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene
+from hysgen.display import decimal
 from hysgen.fitting.operator import PathSize
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
@@ -86,7 +87,7 @@ class MemoryCause(Cause):
         """The width of the model's loop at the slow frequency at which `hysgen diff` compares loops."""
         f_Hz = loop_frequencies(model)[0]
         width_um, _ = loop_width(model, f_Hz)
-        words = f"under {f_Hz:.3g} Hz the way up and the way down differ by {1e3 * width_um:.3g} nm on average"
+        words = f"under {f_Hz:.3g} Hz the way up and the way down differ by {decimal(width_um, 3)} um on average"
         parameters = {"loop_um": Estimate(width_um, math.nan), "loop_Hz": Estimate(f_Hz, math.nan)}
         return Signature(signature.z, f"{signature.text}; {words}", parameters)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
+from hysgen.display import decimal
 from hysgen.record.excitation import Excitation
 from hysgen.record.series import MEDIAN_TO_DEVIATION
 from hysgen.record.wrong_readings import LEAST_DEVIATION, are_frequent, local_scatter
@@ -55,7 +56,7 @@ class OutliersCause(Cause):
         scatter = MEDIAN_TO_DEVIATION * float(np.median(np.abs(deviation)))
         return Signature(
             z=size_um / max(scatter, 1e-300),
-            text=f"{len(hit)} of {len(deviation)} samples stand alone, {1e3 * size_um:.3g} nm off their neighbours "
+            text=f"{len(hit)} of {len(deviation)} samples stand alone, {decimal(size_um, 3)} um off their neighbours "
             f"({size_um / max(scatter, 1e-300):.0f} times the scatter)",
             parameters={
                 "rate": Estimate(rate, rate / np.sqrt(len(hit))),

@@ -179,7 +179,7 @@ class UnknownCause(Cause):
         part, errors = fit.chain.of(SuddenPart), standard_errors(scene, fit)
         first = fit.chain.first_column(SuddenPart)
         changes = [
-            (at_s, size_um, float(error), f"the displacement jumps by {1e3 * size_um:+.3g} nm at {at_s:.4g} s")
+            (at_s, size_um, float(error), f"the displacement jumps by {size_um:+.3g} um at {at_s:.4g} s")
             for at_s, size_um, error in zip(
                 part.jumps_s, _jump_sizes_um(scene, fit), errors.added[first:], strict=False
             )

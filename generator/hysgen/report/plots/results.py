@@ -32,6 +32,9 @@ class Drawing:
 
     figure: Figure
 
+    def __post_init__(self) -> None:
+        style.named(self.figure)
+
     def save(self, path: str | Path) -> Path:
         """Write the figure as SVG if the name ends in .svg, else as PNG. Returns the path."""
         chosen = Path(path)
@@ -122,11 +125,11 @@ def _(result: Waveform) -> Drawing:
         above.axhline(limit_V, color=style.NOTE, linestyle="--")
     below.plot(*envelope(time_s, result.reference.values), color=style.MEASURED, label="reference")
     below.plot(*envelope(time_s, result.y_um), color=style.SIMULATED, linestyle="--", label="answer of the model")
-    side.plot(*envelope(time_s, 1e3 * (result.y_um - result.reference.values)), color=style.SIMULATED)
+    side.plot(*envelope(time_s, result.y_um - result.reference.values), color=style.SIMULATED)
     above.set(ylabel="voltage [V]", title=f"{result.reference.source} with {result.model}")
     below.set(xlabel="time [s]", ylabel="displacement [µm]")
     below.legend(loc="upper left", ncols=2)
-    side.set(xlabel="time [s]", ylabel="answer - reference [nm]")
+    side.set(xlabel="time [s]", ylabel="answer - reference [µm]")
     return Drawing(fig)
 
 

@@ -13,8 +13,10 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from hysgen.display import WRITTEN_IN
 from hysgen.machine.files import write_whole
 
 # Okabe and Ito (2008), "Color Universal Design": distinct for all common kinds of colour blindness.
@@ -157,8 +159,15 @@ def svg_bytes(fig: Figure) -> bytes:
 
 def _undrawn(fig: Figure) -> Figure:
     """A copy to draw: drawing moves the axes of a figure, and the next drawing begins where they are."""
-    copy: Figure = pickle.loads(pickle.dumps(fig))
+    copy: Figure = pickle.loads(pickle.dumps(named(fig)))
     return copy
+
+
+def named(fig: Figure) -> Figure:
+    """The figure, with names and units of the quantities in which texts are written."""
+    for text in fig.findobj(Text):
+        text.set_text(WRITTEN_IN.get().text(text.get_text()))
+    return fig
 
 
 def data_uri(fig: Figure) -> str:
