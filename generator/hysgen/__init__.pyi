@@ -15,6 +15,7 @@ from hysgen.api.diagnosing import next_experiment as next_experiment
 from hysgen.api.diagnosing import page as page
 from hysgen.api.models import certificates as certificates
 from hysgen.api.models import describe as describe
+from hysgen.api.models import design_loop as design_loop
 from hysgen.api.models import diff as diff
 from hysgen.api.models import fit as fit
 from hysgen.api.models import history as history

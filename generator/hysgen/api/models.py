@@ -18,6 +18,9 @@ from hysgen.diagnosis.inspection import Inspection
 from hysgen.diagnosis.inspection import inspect as inspect_record
 from hysgen.display import OWN, WRITTEN_IN, Quantities
 from hysgen.errors import FitError, RecordWarning
+from hysgen.feedback import certificate
+from hysgen.feedback.certificate import LoopDesign
+from hysgen.feedback.stage import LATENCY, Uncertainty
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
 from hysgen.fitting.refit import Comparison
@@ -196,6 +199,15 @@ def waveform(
         repeats = [record_of(play) for play in plays]
         return learn(model, wanted, repeats, limits, loop).shown_in(model.quantities)
     return plan(model, wanted, limits, periodic, loop).shown_in(model.quantities)
+
+
+def design_loop(model: Model | str | Path, latency: float = LATENCY, **uncertainty: float) -> LoopDesign:
+    """Integral and notches around the inverse of a model, of the largest bandwidth that keeps its margins, certified.
+
+    latency: samples between reading and voltage that the record of the model does not hold. uncertainty: fields of
+    `Uncertainty`, as frequency=0.02. Raises ModelError where no loop keeps the margins, FitError for an unknown field.
+    """
+    return certificate.design_loop(model_of(model), with_changes(Uncertainty(), uncertainty), latency)
 
 
 def with_changes(settings: Settings, changes: Mapping[str, Any]) -> Settings:

@@ -14,6 +14,7 @@ from hysgen.certify.dynamics import dynamics
 from hysgen.checking.cost import Cost
 from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
+from hysgen.feedback.certificate import LoopDesign
 from hysgen.model.model import Model
 from hysgen.model.scores import Scores
 from hysgen.model.simulate import free_run
@@ -130,6 +131,25 @@ def _(result: Waveform) -> Drawing:
     below.set(xlabel="time [s]", ylabel="displacement [µm]")
     below.legend(loc="upper left", ncols=2)
     side.set(xlabel="time [s]", ylabel="answer - reference [µm]")
+    return Drawing(fig)
+
+
+@draw.register
+def _(result: LoopDesign) -> Drawing:
+    """|L| of every draw and phase of the model itself against frequency, and the displacement after a push."""
+    fig, above, below, side = style.axes_beside()
+    curves, c = result.curves, result.certificate
+    above.fill_between(curves.f_Hz, *(20.0 * np.log10(curves.size)), color=style.EXTENDED, alpha=0.4, linewidth=0.0)
+    below.plot(curves.f_Hz, curves.phase_deg, color=style.EXTENDED)
+    for axis, level in ((above, 0.0), (below, -180.0)):
+        axis.axhline(level, color=style.NOTE, linestyle="--")
+        axis.axvline(c.bandwidth_Hz, color=style.SIMULATED)
+        axis.set(xscale="log", xlim=(0.01 * c.bandwidth_Hz, curves.f_Hz[-1]))
+    time_ms = 1e3 * result.Ts_s * np.arange(curves.steps.shape[1])
+    side.plot(time_ms, curves.steps.T, color=style.EXTENDED, linewidth=style.THIN, alpha=0.3)
+    above.set(ylabel="|L| [dB], all draws", ylim=(-60.0, 40.0), title=f"{result.model}: {c.bandwidth_Hz:.4g} Hz")
+    below.set(xlabel="frequency [Hz]", ylabel="phase [degrees]", ylim=(-720.0, 0.0))
+    side.set(xlabel="time [ms]", ylabel="displacement after a push of 1")
     return Drawing(fig)
 
 

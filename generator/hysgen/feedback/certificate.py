@@ -1,0 +1,249 @@
+"""A designed loop and its certificate: margins, bandwidth, settling and poles, each the worst of all draws.
+
+The numbers are those of the filter as the C has them, in float32. Margins are those of Bode: the factor on |L| at every
+phase of -180 degrees, and the phase left wherever |L| = 1. Settling is that of a step of the displacement, such as a
+push on the stage; a step of the reference passes through the inverse.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.display import Displayed, Summary
+from hysgen.errors import ModelError
+from hysgen.feedback import design
+from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
+from hysgen.feedback.stage import (
+    Uncertainty,
+    draws,
+    factors,
+    first_mode_Hz,
+    lines,
+    mode_lines,
+    response,
+    series,
+)
+from hysgen.model.model import Model
+from hysgen.model.path.base import StateSpace
+from hysgen.model.path.structure import Structure
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SEARCHED = 24
+"""Draws for which the filter is searched; the integral is then that which all draws allow."""
+
+POINTS, WIDTHS, MOST_NEAR = 300, 5.0, 200
+"""Frequencies from LOWEST to half the sampling rate, and widths of a mode, and most frequencies, about each mode."""
+
+LOWEST = 1e-5
+"""Lowest frequency as a share of the sampling rate: there the integral alone counts."""
+
+SETTLED, STEPPED, TURNS = 0.02, 64, 20.0
+"""Share of a step within which it has settled; draws that are stepped; radians of the bandwidth that are waited for."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The worst of `draws` draws; bandwidth: -3 dB of the closed loop; peak: of |1/(1 + L)|; pole: largest modulus.
+
+    integral_Hz: bandwidth of the largest integral without a filter that has the same margins; without_inverse_Hz: that
+    of one around the stage without the inverse. settling_s: None if a step has not settled within TURNS.
+    """
+
+    draws: int
+    bandwidth_Hz: float
+    gain_margin_dB: float
+    phase_margin_deg: float
+    peak_dB: float
+    pole: float
+    settling_s: float | None
+    integral_Hz: float
+    without_inverse_Hz: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether every draw is stable and keeps the margins, to a thousandth."""
+        wide = self.gain_margin_dB > 0.999 * design.GAIN_MARGIN_DB
+        return wide and self.phase_margin_deg > 0.999 * design.PHASE_MARGIN_DEG and self.pole < 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """For pictures: frequencies, (n,); least and largest |L|, (2, n); phase of L of the model itself, in degrees, (n,);
+    steps, (draws, samples)."""
+
+    f_Hz: Floats
+    size: Floats
+    phase_deg: Floats
+    steps: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopDesign(Displayed):
+    """correction(k) = correction(k-1) + integral f(k), f = F of the residual: added to what the inverse is asked for.
+
+    latency: samples between reading and voltage that the record of the model does not hold. first_Hz: its lowest mode.
+    """
+
+    model: str
+    Ts_s: float
+    integral: float
+    notches: tuple[Notch, ...]
+    latency: float
+    uncertainty: Uncertainty
+    first_Hz: float | None
+    certificate: Certificate
+    curves: Curves = field(repr=False)
+
+    @property
+    def block(self) -> Structure | None:
+        """F as a block, None for F = 1."""
+        return filter_block(self.notches, self.Ts_s)
+
+    def summary(self) -> Summary:
+        """Bandwidth first, then margins, and what they hold for."""
+        c, u = self.certificate, self.uncertainty
+        share = "" if self.first_Hz is None else f", {100 * c.bandwidth_Hz / self.first_Hz:.0f} % of the first mode"
+        settling = "not settled" if c.settling_s is None else f"{1e3 * c.settling_s:.3g} ms"
+        answer = "holds" if c.holds else "DOES NOT hold"
+        first = [
+            f"an integral alone with the same margins: {c.integral_Hz:.4g} Hz, without the inverse of the model: "
+            f"{c.without_inverse_Hz:.4g} Hz",
+            f"certificate over {c.draws} draws of the uncertainty: {answer}; gain margin {c.gain_margin_dB:.3g} dB, "
+            f"phase margin {c.phase_margin_deg:.3g} degrees, peak of the sensitivity {c.peak_dB:.3g} dB, "
+            f"largest pole {c.pole:.5f}",
+            f"a push on the stage settles to {100 * SETTLED:.0f} % in {settling}",
+            f"uncertainty: gain {100 * u.gain:.3g} %, frequency of a mode {100 * u.frequency:.3g} %, damping "
+            f"{100 * u.damping:.3g} %, share {100 * u.share:.3g} %, lag {100 * u.lag:.3g} %, "
+            f"delay {u.late:.3g} samples; latency {self.latency:.3g} samples",
+        ]
+        rows = [
+            [f"{value:.4g}" for value in (n.zero_Hz, n.zero_damping, n.pole_Hz, n.pole_damping)] for n in self.notches
+        ]
+        head = f"{self.model}: integral {self.integral:.4g} a sample, {len(rows)} notches"
+        head += f": bandwidth {c.bandwidth_Hz:.4g} Hz{share}"
+        return Summary(head, ("zeros Hz", "damping", "poles Hz", "damping"), rows, first=first, left=0)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return {
+            "model": self.model,
+            "Ts_s": self.Ts_s,
+            "integral": self.integral,
+            "notches": [asdict(notch) for notch in self.notches],
+            "latency_samples": self.latency,
+            "uncertainty": asdict(self.uncertainty),
+            "first_mode_Hz": self.first_Hz,
+            "certificate": asdict(self.certificate) | {"holds": self.certificate.holds},
+        }
+
+
+def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
+    """The loop of the largest least bandwidth that keeps its margins for every draw.
+
+    latency: as for LoopDesign. Raises ModelError if there is none.
+    """
+    f_Hz = _frequencies(model, given)
+    z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
+    cloud = draws(model)
+    chains = [factors(model, unit, given, latency) for unit in cloud]
+    stages = np.array([response(chain, z) for chain in chains]) * (z / (z - 1.0))
+    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, lines(model), given.frequency)
+    block = filter_block(notches, model.Ts_s)
+    emitted = [] if block is None else [_as_emitted(block, model.Ts_s)]
+    loops = stages * response(emitted, z)
+    # The integral in float32, and no larger than the largest one.
+    gain = float(np.nextafter(np.float32(_gain(loops, model)), np.float32(0.0)))
+    loops *= gain
+    bare = [factors(model, unit, given, latency, inverts=False) for unit in cloud]
+    without = np.array([response(chain, z) for chain in bare]) * (z / (z - 1.0))
+    integral = (np.eye(1), np.ones(1), np.array([gain]), gain)
+    closed = [_closed([integral, *emitted, *chain]) for chain in chains]
+    bandwidth_Hz = float(bandwidths_Hz(loops, f_Hz).min())
+    steps = _steps(closed[:: len(closed) // STEPPED], math.ceil(TURNS / (2.0 * math.pi * bandwidth_Hz * model.Ts_s)))
+    late = np.flatnonzero((np.abs(steps) > SETTLED).any(axis=0))
+    settling = None if late[-1] == steps.shape[1] - 1 else float(late[-1] + 1) * model.Ts_s
+    certificate = Certificate(
+        len(cloud),
+        bandwidth_Hz,
+        *_margins(loops),
+        float(20.0 * np.log10(np.abs(1.0 / (1.0 + loops)).max())),
+        max(float(np.abs(np.linalg.eigvals(A)).max()) for A, _, _ in closed),
+        settling,
+        *(float(bandwidths_Hz(_gain(bare, model) * bare, f_Hz).min()) for bare in (stages, without)),
+    )
+    own = response([integral, *emitted, *factors(model, np.zeros(cloud.shape[1]), given, latency)], z) * z / (z - 1.0)
+    size = np.abs(loops)
+    curves = Curves(f_Hz, np.array([size.min(axis=0), size.max(axis=0)]), np.rad2deg(np.unwrap(np.angle(own))), steps)
+    return LoopDesign(model.name, model.Ts_s, gain, notches, latency, given, first_mode_Hz(model), certificate, curves)
+
+
+def _gain(loops: Complex, model: Model) -> float:
+    gain, limit = largest_gain(loops)
+    if limit < 0 or not gain > 0.0:
+        raise ModelError(f"{model.name}: no loop around this model keeps its margins; state a smaller uncertainty")
+    return gain
+
+
+def _frequencies(model: Model, given: Uncertainty) -> Floats:
+    """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
+    parts = [np.geomspace(LOWEST / model.Ts_s, 0.499 / model.Ts_s, POINTS)]
+    for f_Hz, zeta in (*mode_lines(model), *lines(model)):
+        sharp = zeta * max(1.0 - given.damping, 0.1)
+        reach = given.frequency + given.share + WIDTHS * sharp
+        parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
+    f = np.unique(np.concatenate(parts))
+    return f[(f >= LOWEST / model.Ts_s) & (f < 0.5 / model.Ts_s)]
+
+
+def _as_emitted(block: Structure, Ts_s: float) -> StateSpace:
+    """The filter with its float32 constants."""
+    numbers = {name: values.astype(np.float64) for name, values in block.constants(Ts_s).items()}
+    A, B, C, _ = block.state_space(Ts_s)
+    for j, (real, imag) in enumerate(zip(numbers["real"], numbers["imag"], strict=True)):
+        at = slice(2 * j, 2 * j + 2)
+        A[at, at] = [[1.0 - real, imag], [-imag, 1.0 - real]]
+        B[at] = real, imag
+        C[at] = numbers["of_position"][j], numbers["of_velocity"][j]
+    return A, B, C, float(numbers["direct"][0])
+
+
+def _margins(loops: Complex) -> tuple[float, float]:
+    """Least gain margin in dB and phase margin in degrees; between frequencies L is a straight line."""
+    a, b = loops[:, :-1], loops[:, 1:]
+    cross = (a.imag < 0.0) != (b.imag < 0.0)
+    step = np.where(cross, b.imag - a.imag, 1.0)
+    real = a.real - a.imag / step * (b.real - a.real)
+    before = cross & (real < 0.0)
+    gain_dB = float(np.min(np.abs(20.0 * np.log10(-real[before])), initial=math.inf))
+    size, over = np.log(np.abs(a)), np.log(np.abs(b))
+    unit = (size < 0.0) != (over < 0.0)
+    share = -size[unit] / (over[unit] - size[unit])
+    at = a[unit] + share * (b[unit] - a[unit])
+    return gain_dB, float(np.min(np.abs(np.angle(-at, deg=True)), initial=180.0))
+
+
+def _closed(chain: Sequence[StateSpace]) -> tuple[Floats, Floats, Floats]:
+    """A, B, C of x(k+1) = A x(k) - B d(k), y = d + C x: the loop under a push d. The lag of the stage leaves no D."""
+    A, B, C, _ = series(chain)
+    return A - np.outer(B, C), B, C
+
+
+def _steps(closed: Sequence[tuple[Floats, Floats, Floats]], samples: int) -> Floats:
+    """(draws, samples) displacement after a push of 1."""
+    order = max(A.shape[0] for A, _, _ in closed)
+    A, B, C = (np.zeros((len(closed), order, order)), *(np.zeros((len(closed), order)) for _ in range(2)))
+    for i, (a, b, c) in enumerate(closed):
+        A[i, : len(b), : len(b)], B[i, : len(b)], C[i, : len(b)] = a, b, c
+    x, y = np.zeros_like(B), np.empty((len(closed), samples))
+    for k in range(samples):
+        y[:, k] = 1.0 + np.einsum("ij,ij->i", C, x)
+        x = np.einsum("ijk,ik->ij", A, x) - B
+    return y

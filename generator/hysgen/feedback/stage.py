@@ -1,0 +1,226 @@
+"""What a correction of the reference becomes: the stage behind the emitted inverse, for draws of what it may be.
+
+    P(z) = g z^-latency prod_b [B_b'(z) / B_b(z)] (1 - a')/(z - a') (z - a)/(1 - a)
+
+a' and B' are the lag and the blocks of the stage, a and B those of the model. A block that the inverse leaves out
+stands alone; a delay is its preview in whole samples. The inverse takes hysteresis and rules at the level of the model,
+so g = 1, but for the error of the local slope. Creep is slower than any loop and is left to g; saturation and slew are
+limits, at which the integral stands still. States in the loop of a mode stand between springs (small amplitudes) and
+nothing (large ones).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats.qmc import Sobol
+
+from hysgen.certify.enclosure import slope
+from hysgen.errors import ModelError
+from hysgen.model.model import Model
+from hysgen.model.path.base import StateSpace
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.loop import Loop
+from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING, Modes
+from hysgen.model.path.structure import Structure
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LOG2_DRAWS = 10
+"""Binary logarithm of the number of draws: 1024 points of a Sobol sequence, the same on every machine."""
+
+
+LATENCY = 1.0
+"""Samples from reading to voltage by default: it is put out when the next sample begins."""
+
+RINGS, LEAST_SHARE = 0.3, 0.01
+"""Damping ratio below which a pole rings, and share of the displacement from which on a mode counts."""
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Half widths of what the stage may differ by from its model; relative, but for late, in samples.
+
+    gain: of the local slope after a turn, where a model of a hysteresis is worst. frequency, damping, share: of every
+    mode; temperature and load move a mode by about a hundredth. lag: of the time constant of the rules. late: delay.
+    """
+
+    gain: float = 0.15
+    frequency: float = 0.01
+    damping: float = 0.3
+    share: float = 0.1
+    lag: float = 0.1
+    late: float = 0.25
+
+    def __post_init__(self) -> None:
+        for name, value in dataclasses.asdict(self).items():
+            if not 0.0 <= value < (1.0 if name != "late" else math.inf):
+                raise ModelError(
+                    f"uncertainty: {name} = {value:g}; choose a share from 0 up to 1, of late samples from 0"
+                )
+
+
+def draws(model: Model) -> Floats:
+    """(1024, d) numbers from -1 to 1: what every uncertain number of the stage differs by, in half widths."""
+    modes = sum(len(block.f_Hz) for block in model.blocks if isinstance(block, Modes))
+    return np.asarray(2.0 * Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
+
+
+def mode_lines(model: Model) -> list[tuple[float, float]]:
+    """Frequency in Hz and damping ratio of every mode with a share of a hundredth or more of the displacement."""
+    strong: list[tuple[float, float]] = []
+    for block in model.blocks:
+        if isinstance(block, Modes):
+            rows = zip(block.f_Hz, block.zeta, block.residues(), strict=True)
+            strong += [(f, zeta) for f, zeta, q in rows if abs(q) >= LEAST_SHARE]
+        if isinstance(block, Loop):
+            strong.append((block.f_Hz, block.zeta))
+    return sorted(strong)
+
+
+def first_mode_Hz(model: Model) -> float | None:
+    """Frequency of the lowest mode that counts; None without modes."""
+    return next((f_Hz for f_Hz, _ in mode_lines(model)), None)
+
+
+def factors(model: Model, unit: Floats, given: Uncertainty, latency: float, inverts: bool = True) -> list[StateSpace]:
+    """The factors of P(z) for one draw, (d,), without the integral; unit = 0 is the model itself.
+
+    inverts: False for a loop around the stage alone, whose gain is that of the steepest branch and 1 after a turn.
+    """
+    gain, lag, late, spring, *rest = unit.tolist()
+    Ts_s = model.Ts_s
+    chain: list[StateSpace] = [_constant(1.0 + given.gain * gain)]
+    ahead = latency
+    varied = iter(np.reshape(rest, (-1, 3)))
+    for block in model.blocks:
+        if isinstance(block, Delay):
+            ahead += float(block.preview) if inverts else block.samples
+        elif isinstance(block, Modes):
+            solves = inverts and block.solves(Ts_s)
+            chain.append(_varied(block, np.array([next(varied) for _ in block.f_Hz]), given).state_space(Ts_s))
+            chain += [_inverted(block.state_space(Ts_s))] if solves else []
+        elif isinstance(block, Loop):
+            solves = inverts and block.solves(Ts_s)
+            chain.append(_loop_space(block, 0.5 + 0.5 * spring, Ts_s))
+            chain += [_inverted(_loop_space(block, 0.5, Ts_s))] if solves else []
+    a = _pole(model)
+    stage = a ** (1.0 / (1.0 + given.lag * lag))
+    held = (np.array([[stage]]), np.array([1.0 - stage]), np.ones(1), 0.0)
+    chain += [held, _one_pole(0.0, -a / (1.0 - a), 1.0 / (1.0 - a))] if inverts else [held]
+    return [*chain, _delayed(max(ahead + given.late * late, 0.0))]
+
+
+def lines(model: Model, inverts: bool = True) -> list[tuple[float, float]]:
+    """Frequency in Hz and damping ratio of what rings in P: poles of the inverse, or of blocks that it leaves out."""
+    ringing: list[tuple[float, float]] = []
+    for block in model.blocks:
+        if isinstance(block, Modes | Loop):
+            space = block.state_space(model.Ts_s) if isinstance(block, Modes) else _loop_space(block, 0.5, model.Ts_s)
+            matrix = _inverted(space)[0] if inverts and block.solves(model.Ts_s) else space[0]
+            for pole in np.linalg.eigvals(matrix).astype(np.complex128):
+                rate = np.log(pole) / model.Ts_s
+                if pole.imag > 0.0 and -rate.real < RINGS * abs(rate):
+                    ringing.append(
+                        (float(abs(rate)) / (2.0 * math.pi), max(float(-rate.real / abs(rate)), LEAST_DAMPING))
+                    )
+    return sorted(ringing)
+
+
+def response(chain: Sequence[StateSpace], z: Complex) -> Complex:
+    """Product of the responses of the factors, at z, by the eigenvalues of each."""
+    product = np.ones(z.shape, dtype=np.complex128)
+    for A, B, C, D in chain:
+        if not B.any() or not C.any():
+            product *= D
+        elif A.shape[0] > 1 and not np.diag(A).any() and np.array_equal(A, np.eye(A.shape[0], k=-1)):
+            product *= D + sum(
+                c * z ** -(i + 1.0) for i, c in enumerate(C) if c
+            )  # a line of samples has no eigenvectors
+        else:
+            poles, V = np.linalg.eig(A)
+            for pole, residue in zip(poles, (C @ V) * np.linalg.solve(V, B), strict=True):
+                D = D + residue / (z - pole)
+            product *= D
+    return product
+
+
+def series(chain: Sequence[StateSpace]) -> StateSpace:
+    """One system out of factors, each driven by the one before."""
+    A, B, C, D = chain[0]
+    for a, b, c, d in chain[1:]:
+        A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [np.outer(b, C), a]])
+        B, C, D = np.concatenate([B, b * D]), np.concatenate([d * C, c]), d * D
+    return A, B, C, D
+
+
+def _constant(value: float) -> StateSpace:
+    return np.zeros((0, 0)), np.zeros(0), np.zeros(0), value
+
+
+def _one_pole(pole: float, weight: float, direct: float) -> StateSpace:
+    return np.array([[pole]]), np.ones(1), np.array([weight]), direct
+
+
+def _inverted(space: StateSpace) -> StateSpace:
+    A, B, C, D = space
+    return A - np.outer(B, C) / D, B / D, -C / D, 1.0 / D
+
+
+def _delayed(samples: float) -> StateSpace:
+    """Whole samples and linear interpolation between two of them."""
+    whole, part = divmod(samples, 1.0)
+    weights = np.zeros(int(whole) + 1)
+    direct = 1.0 - part if whole == 0.0 else 0.0
+    if whole > 0.0:
+        weights[int(whole) - 1] = 1.0 - part
+    weights[int(whole)] = part
+    return np.eye(weights.size, k=-1), np.eye(weights.size)[0], weights, direct
+
+
+def _pole(model: Model) -> float:
+    """df/dy in the middle of the ranges: the lag of the rules."""
+    middle = 0.5 * np.array([[model.grid.y_min_um + model.grid.y_max_um], [model.w_range.low + model.w_range.high]])
+    return min(max(float(slope(model, *middle)[0]), 1e-6), 1.0 - 1e-6)
+
+
+def _varied(block: Modes, unit: Floats, given: Uncertainty) -> Modes:
+    """The block with other frequencies, damping ratios and shares; unit: (m, 3)."""
+    f = np.array(block.f_Hz) * (1.0 + given.frequency * unit[:, 0])
+    zeta = np.clip(np.array(block.zeta) * (1.0 + given.damping * unit[:, 1]), LEAST_DAMPING, MOST_DAMPING)
+    scale = 1.0 + given.share * unit[:, 2]
+    order = np.argsort(f)
+    changes: Any = {"f_Hz": f, "zeta": zeta, "share": np.array(block.share) * scale}
+    if isinstance(block, Structure):
+        changes["quadrature"] = np.array(block.quadrature) * scale
+    for name, values in changes.items():
+        changes[name] = tuple(values[order].tolist())
+    return dataclasses.replace(block, **changes)
+
+
+def _loop_space(block: Loop, spring: float, Ts_s: float) -> StateSpace:
+    """From w to the output of the block whose states are springs of this share of their slope; lag as in the block.
+
+    x <- lam x + e spring (y + Re x), n times a sample, y a line between samples;   out = w + (x(k+1) - a x(k))/(1 - a)
+    """
+    step = complex(block._mode.steps(Ts_s / block.parts)[0])
+    e = spring * np.array([sum(block.force), sum(block.quadrature)])
+    turn = np.array([[1.0 - step.real, -step.imag], [step.imag, 1.0 - step.real]]) + np.outer(e, [1.0, 0.0])
+    a = math.exp(-Ts_s / block.lag_s)
+    # State: y(k) and x(k); y(k+1) = a y + (1 - a) w.
+    A, B = np.zeros((3, 3)), np.zeros(3)
+    A[0, 0], B[0] = a, 1.0 - a
+    moved, of_y, of_next = np.eye(2), np.zeros(2), np.zeros(2)
+    for i in range(block.parts):
+        share = i / block.parts
+        moved, of_y, of_next = turn @ moved, turn @ of_y + (1.0 - share) * e, turn @ of_next + share * e
+    A[1:, 1:], A[1:, 0], B[1:] = moved, of_y + a * of_next, (1.0 - a) * of_next
+    C = (A[1] - a * np.array([0.0, 1.0, 0.0])) / (1.0 - a)
+    return A, B, C, 1.0 + B[1] / (1.0 - a)
