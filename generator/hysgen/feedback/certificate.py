@@ -22,14 +22,16 @@ from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_blo
 from hysgen.feedback.stage import (
     Uncertainty,
     draws,
-    factors,
     first_mode_Hz,
+    inverse,
     lines,
     mode_lines,
     response,
     series,
+    stage,
 )
 from hysgen.model.model import Model
+from hysgen.model.path import preview
 from hysgen.model.path.base import StateSpace
 from hysgen.model.path.structure import Structure
 
@@ -45,7 +47,7 @@ POINTS, WIDTHS, MOST_NEAR = 300, 5.0, 200
 LOWEST = 1e-5
 """Lowest frequency as a share of the sampling rate: there the integral alone counts."""
 
-SETTLED, STEPPED, TURNS = 0.02, 64, 20.0
+SETTLED, STEPPED, TURNS = 0.02, 64, 60.0
 """Share of a step within which it has settled; draws that are stepped; radians of the bandwidth that are waited for."""
 
 
@@ -87,7 +89,7 @@ class Curves:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopDesign(Displayed):
-    """correction(k) = correction(k-1) + integral f(k), f = F of the residual: added to what the inverse is asked for.
+    """correction(k) = correction(k-1) + integral/2 (f(k) + f(k-1)), f = F of the residual; the inverse is asked for it.
 
     latency: samples between reading and voltage that the record of the model does not hold. first_Hz: its lowest mode.
     """
@@ -153,19 +155,22 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
     f_Hz = _frequencies(model, given)
     z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
     cloud = draws(model)
-    chains = [factors(model, unit, given, latency) for unit in cloud]
-    stages = np.array([response(chain, z) for chain in chains]) * (z / (z - 1.0))
-    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, lines(model), given.frequency)
+    known, ahead = inverse(model), latency + preview(model.blocks)
+    chains = [stage(model, unit, given, ahead) for unit in cloud]
+    stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
+    modes = [(f, 2.0 * given.frequency) for f, _ in mode_lines(model)]
+    starts = (lines(model), modes, sorted([*lines(model), *modes]))
+    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts, given.frequency)
     block = filter_block(notches, model.Ts_s)
     emitted = [] if block is None else [_as_emitted(block, model.Ts_s)]
     loops = stages * response(emitted, z)
     # The integral in float32, and no larger than the largest one.
     gain = float(np.nextafter(np.float32(_gain(loops, model)), np.float32(0.0)))
     loops *= gain
-    bare = [factors(model, unit, given, latency, inverts=False) for unit in cloud]
-    without = np.array([response(chain, z) for chain in bare]) * (z / (z - 1.0))
-    integral = (np.eye(1), np.ones(1), np.array([gain]), gain)
-    closed = [_closed([integral, *emitted, *chain]) for chain in chains]
+    # A preview is the delay of the stage in whole samples, which a loop without the inverse has, too.
+    without = stages / response(known, z)
+    integral = (np.eye(1), np.ones(1), np.array([gain]), 0.5 * gain)
+    closed = [_closed([integral, *emitted, *known, *chain]) for chain in chains]
     bandwidth_Hz = float(bandwidths_Hz(loops, f_Hz).min())
     steps = _steps(closed[:: len(closed) // STEPPED], math.ceil(TURNS / (2.0 * math.pi * bandwidth_Hz * model.Ts_s)))
     late = np.flatnonzero((np.abs(steps) > SETTLED).any(axis=0))
@@ -179,7 +184,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
         settling,
         *(float(bandwidths_Hz(_gain(bare, model) * bare, f_Hz).min()) for bare in (stages, without)),
     )
-    own = response([integral, *emitted, *factors(model, np.zeros(cloud.shape[1]), given, latency)], z) * z / (z - 1.0)
+    own = response([integral, *emitted, *known, *stage(model, np.zeros(cloud.shape[1]), given, ahead)], z)
     size = np.abs(loops)
     curves = Curves(f_Hz, np.array([size.min(axis=0), size.max(axis=0)]), np.rad2deg(np.unwrap(np.angle(own))), steps)
     return LoopDesign(model.name, model.Ts_s, gain, notches, latency, given, first_mode_Hz(model), certificate, curves)
@@ -199,6 +204,8 @@ def _frequencies(model: Model, given: Uncertainty) -> Floats:
         sharp = zeta * max(1.0 - given.damping, 0.1)
         reach = given.frequency + given.share + WIDTHS * sharp
         parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
+    # Near half the sampling rate, where zeros of sampled modes make the inverse ring.
+    parts.append(0.5 / model.Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
     f = np.unique(np.concatenate(parts))
     return f[(f >= LOWEST / model.Ts_s) & (f < 0.5 / model.Ts_s)]
 

@@ -1,10 +1,11 @@
 """Integral and filter of the largest bandwidth that keeps its margins for every draw of the uncertainty.
 
-    L(z) = K z/(z - 1) F(z) P(z),   F(1) = 1
+    L(z) = K/2 (z + 1)/(z - 1) F(z) P(z),   F(1) = 1
     F = prod_m (s^2 + 2 n_m v_m s + v_m^2)/(s^2 + 2 d_m w_m s + w_m^2) w_m^2/v_m^2
 
-n_m, d_m, v_m, w_m of a notch are free: a narrow one damps nothing, a wide one below the mode turns its phase (resonant
-damping). The margins are an ellipse about -1 in the plane of phase and logarithm of |L| that no draw enters:
+The integral is a trapezoid: its zero at half the sampling rate meets what rings there, the zeros of sampled modes in
+the inverse. n_m, d_m, v_m, w_m of a notch are free: a narrow one damps nothing, a wide one below the mode turns its
+phase (resonant damping). The margins are an ellipse about -1, over phase and logarithm of |L|, that no draw enters:
 
     (phase/45 deg)^2 + (20 log10 |L| / 6 dB)^2 >= 1
 
@@ -39,7 +40,7 @@ MOST_NOTCHES = 3
 PLACES, DAMPINGS = (1.0, 2.0, 4.0), (0.3, 0.7, 0.95)
 """Frequencies of a notch's poles against its mode, and their damping ratios, from which the search begins."""
 
-LEAST_POLE, LEAST_ZERO, MOST_ZERO = 0.1, 1e-3, 2.0
+LEAST_POLE, LEAST_ZERO, MOST_ZERO = 0.2, 1e-3, 2.0
 """Least damping ratio of the poles, so that the filter itself does not ring; least and largest of the zeros."""
 
 EVALUATIONS, EDGE = 150, 0.2
@@ -122,12 +123,12 @@ def bandwidths_Hz(loops: Complex, f_Hz: Floats) -> Floats:
 
 
 def best_filter(
-    stages: Complex, f_Hz: Floats, Ts_s: float, lines: Sequence[tuple[float, float]], spread: float
+    stages: Complex, f_Hz: Floats, Ts_s: float, starts: Sequence[Sequence[tuple[float, float]]], spread: float
 ) -> tuple[Notch, ...]:
     """The notches with the largest least bandwidth over the rows of `stages`.
 
-    stages: (draws, frequencies) P with the integral z/(z - 1). lines: frequency in Hz and damping ratio of what rings
-    in P, where notches begin; a further one begins at the frequency that limits K. spread: uncertainty of a mode.
+    stages: (draws, frequencies) P with the integral (z + 1)/2(z - 1). starts: sets of frequency in Hz and damping ratio
+    at which notches begin; a further one begins at the frequency that limits K. spread: uncertainty of a mode.
     """
     z = np.exp(2j * math.pi * f_Hz * Ts_s)
 
@@ -148,7 +149,8 @@ def best_filter(
     def improved(start: Floats) -> tuple[float, Floats]:
         simplex = np.vstack([start, start + EDGE * np.eye(start.size)])
         options: Any = {"maxfev": EVALUATIONS * start.size, "initial_simplex": simplex}
-        answer = minimize(lambda x: -bandwidth(x), start, method="Nelder-Mead", options=options)
+        search: Any = minimize
+        answer = search(lambda x: -bandwidth(x), start, method="Nelder-Mead", options=options)
         return -float(answer.fun), np.asarray(answer.x)
 
     def begun(before: Floats, more: Sequence[tuple[float, float]]) -> tuple[float, Floats]:
@@ -161,8 +163,9 @@ def best_filter(
         return improved(max(starts, key=bandwidth))
 
     best = bandwidth(np.zeros(0)), np.zeros(0)
-    if lines:
-        best = max(best, begun(best[1], lines[:MOST_NOTCHES]), key=lambda pair: pair[0])
+    for lines in starts:
+        if lines:
+            best = max(best, begun(np.zeros(0), lines[:MOST_NOTCHES]), key=lambda pair: pair[0])
     while best[1].size < 4 * MOST_NOTCHES:
         _, limit = largest_gain(stages * filter_response(of(best[1]), z, Ts_s))
         further = begun(best[1], [(float(f_Hz[limit]), 2.0 * spread)])

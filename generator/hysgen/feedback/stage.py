@@ -12,6 +12,7 @@ nothing (large ones).
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +26,6 @@ from hysgen.certify.enclosure import slope
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
 from hysgen.model.path.base import StateSpace
-from hysgen.model.path.delay import Delay
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING, Modes
 from hysgen.model.path.structure import Structure
@@ -90,47 +90,45 @@ def first_mode_Hz(model: Model) -> float | None:
     return next((f_Hz for f_Hz, _ in mode_lines(model)), None)
 
 
-def factors(model: Model, unit: Floats, given: Uncertainty, latency: float, inverts: bool = True) -> list[StateSpace]:
-    """The factors of P(z) for one draw, (d,), without the integral; unit = 0 is the model itself.
-
-    inverts: False for a loop around the stage alone, whose gain is that of the steepest branch and 1 after a turn.
-    """
-    gain, lag, late, spring, *rest = unit.tolist()
-    Ts_s = model.Ts_s
-    chain: list[StateSpace] = [_constant(1.0 + given.gain * gain)]
-    ahead = latency
-    varied = iter(np.reshape(rest, (-1, 3)))
-    for block in model.blocks:
-        if isinstance(block, Delay):
-            ahead += float(block.preview) if inverts else block.samples
-        elif isinstance(block, Modes):
-            solves = inverts and block.solves(Ts_s)
-            chain.append(_varied(block, np.array([next(varied) for _ in block.f_Hz]), given).state_space(Ts_s))
-            chain += [_inverted(block.state_space(Ts_s))] if solves else []
-        elif isinstance(block, Loop):
-            solves = inverts and block.solves(Ts_s)
-            chain.append(_loop_space(block, 0.5 + 0.5 * spring, Ts_s))
-            chain += [_inverted(_loop_space(block, 0.5, Ts_s))] if solves else []
+def inverse(model: Model) -> list[StateSpace]:
+    """The factors of the emitted inverse but for its delay: of the blocks that it solves, and of the lag."""
+    solved = [block for block in model.blocks if isinstance(block, Modes | Loop) and block.solves(model.Ts_s)]
     a = _pole(model)
-    stage = a ** (1.0 / (1.0 + given.lag * lag))
-    held = (np.array([[stage]]), np.array([1.0 - stage]), np.ones(1), 0.0)
-    chain += [held, _one_pole(0.0, -a / (1.0 - a), 1.0 / (1.0 - a))] if inverts else [held]
-    return [*chain, _delayed(max(ahead + given.late * late, 0.0))]
+    lag = (np.zeros((1, 1)), np.ones(1), np.array([-a / (1.0 - a)]), 1.0 / (1.0 - a))
+    return [*(_inverted(_space(block, model.Ts_s)) for block in solved), lag]
 
 
-def lines(model: Model, inverts: bool = True) -> list[tuple[float, float]]:
+def stage(model: Model, unit: Floats, given: Uncertainty, samples: float) -> list[StateSpace]:
+    """The factors of one draw, (d,), of the stage behind a delay; unit = 0 is the model itself."""
+    gain, lag, late, spring, *rest = unit.tolist()
+    varied = iter(np.reshape(rest, (-1, 3)))
+    chain: list[StateSpace] = [(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0 + given.gain * gain)]
+    for block in model.blocks:
+        if isinstance(block, Modes):
+            chain.append(_space(_varied(block, np.array([next(varied) for _ in block.f_Hz]), given), model.Ts_s))
+        elif isinstance(block, Loop):
+            chain.append(_space(block, model.Ts_s, 0.5 + 0.5 * spring))
+    a = _pole(model) ** (1.0 / (1.0 + given.lag * lag))
+    chain.append((np.array([[a]]), np.array([1.0 - a]), np.ones(1), 0.0))
+    return [*chain, _delayed(max(samples + given.late * late, 0.0))]
+
+
+def _space(block: Modes | Loop, Ts_s: float, spring: float = 0.5) -> StateSpace:
+    return block.state_space(Ts_s) if isinstance(block, Modes) else _loop_space(block, spring, Ts_s)
+
+
+def lines(model: Model) -> list[tuple[float, float]]:
     """Frequency in Hz and damping ratio of what rings in P: poles of the inverse, or of blocks that it leaves out."""
     ringing: list[tuple[float, float]] = []
     for block in model.blocks:
         if isinstance(block, Modes | Loop):
-            space = block.state_space(model.Ts_s) if isinstance(block, Modes) else _loop_space(block, 0.5, model.Ts_s)
-            matrix = _inverted(space)[0] if inverts and block.solves(model.Ts_s) else space[0]
+            space = _space(block, model.Ts_s)
+            matrix = (_inverted(space) if block.solves(model.Ts_s) else space)[0]
             for pole in np.linalg.eigvals(matrix).astype(np.complex128):
                 rate = np.log(pole) / model.Ts_s
-                if pole.imag > 0.0 and -rate.real < RINGS * abs(rate):
-                    ringing.append(
-                        (float(abs(rate)) / (2.0 * math.pi), max(float(-rate.real / abs(rate)), LEAST_DAMPING))
-                    )
+                zeta = max(float(-rate.real / abs(rate)), LEAST_DAMPING)
+                if pole.imag > 0.0 and zeta < RINGS:
+                    ringing.append((float(abs(rate)) / (2.0 * math.pi), zeta))
     return sorted(ringing)
 
 
@@ -161,14 +159,6 @@ def series(chain: Sequence[StateSpace]) -> StateSpace:
     return A, B, C, D
 
 
-def _constant(value: float) -> StateSpace:
-    return np.zeros((0, 0)), np.zeros(0), np.zeros(0), value
-
-
-def _one_pole(pole: float, weight: float, direct: float) -> StateSpace:
-    return np.array([[pole]]), np.ones(1), np.array([weight]), direct
-
-
 def _inverted(space: StateSpace) -> StateSpace:
     A, B, C, D = space
     return A - np.outer(B, C) / D, B / D, -C / D, 1.0 / D
@@ -185,6 +175,7 @@ def _delayed(samples: float) -> StateSpace:
     return np.eye(weights.size, k=-1), np.eye(weights.size)[0], weights, direct
 
 
+@functools.lru_cache(maxsize=8)
 def _pole(model: Model) -> float:
     """df/dy in the middle of the ranges: the lag of the rules."""
     middle = 0.5 * np.array([[model.grid.y_min_um + model.grid.y_max_um], [model.w_range.low + model.w_range.high]])

@@ -1,12 +1,11 @@
-"""The voltage inside its limits whose largest error is least: a quadratic programme, solved about the last answer.
+"""The voltage inside its limits whose largest error is least: a linear programme, solved about the last answer.
 
-    minimise    t + SPREAD e_max sum_k (e(k)/e_max)^2 / n           e = y - r
-    such that   |e(k)| <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
+    minimise    t
+    such that   |y(k) - r(k)| <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
                 |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
 
 with y(k+1) = a(k) y(k) + b(k) u(k-d) + c(k), where c makes the line pass through the answer of the model to the last
-voltage. Each u is a line in two neighbouring y, so every matrix is banded, and a step costs time proportional to n.
-Source: Mehrotra, SIAM J. Optim. 2 (1992) 575-601 (predictor and corrector of the interior point).
+voltage. Each u is a line in two neighbouring y, so every matrix is banded. HiGHS solves it, by its interior point.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.linalg import solveh_banded
+from scipy.optimize import linprog
 
 from hysgen.certify.enclosure import slope
 from hysgen.machine.kernels.operators import slew_limited
@@ -30,9 +29,6 @@ from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
 
-SPREAD = 0.01
-"""Weight of the mean square beside the largest error: the largest stays within a hundredth of its least."""
-
 ROUNDS, LEAST_FALL = 12, 0.01
 """Programmes one after the other, and the relative fall of the largest error below which they end."""
 
@@ -41,12 +37,6 @@ SHARES = (1.0, 0.5, 0.25)
 
 PINNED = 1e-6
 """Half of the range, as a share, in which what is given may move: an interior point needs room."""
-
-BANDS = 4
-"""Diagonals of the matrix from the main one on: an acceleration takes four neighbouring displacements."""
-
-STEPS, GAP = 60, 1e-7
-"""Steps of the interior point, and the duality gap at which they end, as a share of the first."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +152,10 @@ def _programme(
     largest = float(np.abs(y - r).max())
     for place, sign in ((0, 1.0), (n + 1, -1.0)):
         of_t[place], sides[place] = 0.0, sign * y[0] + PINNED * largest
-    weight = 2.0 * SPREAD / (largest * (n + 1))
-    solution = _interior_point(rows, of_t, sides, weight, r, np.append(y, 1.1 * largest))
+    everything = sparse.hstack([rows, sparse.csr_matrix(of_t[:, None])], format="csr")
+    answer = linprog(np.append(np.zeros(n + 1), 1.0), everything, sides, bounds=(None, None), method="highs-ipm")
+    # Without an answer the last voltage stays.
+    solution = np.append(y, largest) if answer.x is None else answer.x
     return np.asarray(of_y @ solution[:-1] - shift)
 
 
@@ -173,63 +165,3 @@ def _neighbours(here: Floats, next_to: Floats) -> Any:
     columns = np.stack([np.arange(n), np.arange(1, n + 1)], axis=1).ravel()
     values = np.stack([here, next_to], axis=1).ravel()
     return sparse.csr_matrix((values, columns, 2 * np.arange(n + 1)), shape=(n, n + 1))
-
-
-@dataclass(frozen=True, eq=False)
-class _Newton:
-    """The linear equations of one step, with the matrix of y in bands and a border for t."""
-
-    rows: Any
-    of_t: Floats
-    slack: Floats
-    price: Floats
-    dual: tuple[Floats, float]
-    primal: Floats
-    band: Floats
-    border: Floats
-    corner: float
-
-    def step(self, complement: Floats) -> tuple[Floats, Floats, Floats]:
-        """Steps of z, slack and price that take slack * price down by `complement`."""
-        push = (self.price * self.primal - complement) / self.slack
-        right = np.stack([-self.dual[0] - self.rows.T @ push, self.border], axis=1)
-        alone, with_t = solveh_banded(self.band, right, check_finite=False).T
-        of_t = -self.dual[1] - float(self.of_t @ push) - float(self.border @ alone)
-        dt = of_t / (self.corner - float(self.border @ with_t))
-        dy = alone - dt * with_t
-        dslack = -self.primal - self.rows @ dy - self.of_t * dt
-        return np.append(dy, dt), dslack, (-complement - self.price * dslack) / self.slack
-
-
-def _interior_point(rows: Any, of_t: Floats, sides: Floats, weight: float, r: Floats, z: Floats) -> Floats:
-    """minimise t + weight |y - r|^2 / 2 over z = (y, t) such that rows y + of_t t <= sides, row by row."""
-    slack = np.maximum(sides - rows @ z[:-1] - of_t * z[-1], 1e-3 * z[-1])
-    price = z[-1] / (slack * slack.size)
-    first = float(slack @ price)
-    for _ in range(STEPS):
-        dual = weight * (z[:-1] - r) + rows.T @ price, 1.0 + float(of_t @ price)
-        primal = rows @ z[:-1] + of_t * z[-1] + slack - sides
-        gap = float(slack @ price)
-        if gap < GAP * first and np.abs(primal).max() < GAP * max(first, z[-1]):
-            break
-        ratio = price / slack
-        matrix = rows.T @ sparse.diags_array(ratio) @ rows
-        band = np.zeros((BANDS, z.size - 1))
-        for k in range(BANDS):
-            band[BANDS - 1 - k, k:] = matrix.diagonal(k)
-        band[-1] += weight + 1e-13 * band[-1].max()
-        border, corner = rows.T @ (ratio * of_t), float(of_t @ (ratio * of_t))
-        newton = _Newton(rows, of_t, slack, price, dual, primal, band, border, corner)
-        _, dslack, dprice = newton.step(slack * price)
-        ahead = (slack + _share(slack, dslack) * dslack) @ (price + _share(price, dprice) * dprice)
-        centre = (ahead / gap) ** 3 * gap / slack.size
-        dz, dslack, dprice = newton.step(slack * price + dslack * dprice - centre)
-        forward, backward = 0.99 * _share(slack, dslack), 0.99 * _share(price, dprice)
-        z, slack, price = z + forward * dz, slack + forward * dslack, price + backward * dprice
-    return z
-
-
-def _share(values: Floats, steps: Floats) -> float:
-    """The largest share, at most 1, of the steps by which no value becomes negative."""
-    falling = steps < 0.0
-    return min(1.0, float(np.min(-values[falling] / steps[falling], initial=1.0)))
