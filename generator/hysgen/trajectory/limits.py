@@ -1,7 +1,7 @@
 """The voltage inside its limits whose largest error is least: a linear programme, solved about the last answer.
 
-    minimise    t
-    such that   |y(k) - r(k)| <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
+    minimise    t + SPREAD sum_k s(k) / n
+    such that   |y(k) - r(k)| <= s(k) <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
                 |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
 
 with y(k+1) = a(k) y(k) + b(k) u(k-d) + c(k), where c makes the line pass through the answer of the model to the last
@@ -28,6 +28,9 @@ from hysgen.model.path.slew import Slew
 from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
+
+SPREAD = 0.01
+"""Weight of the mean error beside the largest, which stays within a hundredth of its least."""
 
 ROUNDS, LEAST_FALL = 12, 0.01
 """Programmes one after the other, and the relative fall of the largest error below which they end."""
@@ -132,7 +135,7 @@ def _programme(
     of_y = _neighbours(-a / b, 1.0 / b)
     shift = c / b
     low_V, high_V = np.full(n, limits.low_V), np.full(n, limits.high_V)
-    # The first voltage is that of the rest before, and the displacement begins where it rests.
+    # The first voltage is that of the rest before.
     low_V[0], high_V[0] = first_V - PINNED * (high_V[1] - low_V[1]), first_V + PINNED * (high_V[1] - low_V[1])
     bounds = [(of_y, low_V + shift, high_V + shift)]
     # From the rest before on, which is as high as the first voltage.
@@ -144,19 +147,19 @@ def _programme(
         for rate, matrix, unit_s in rates
         if rate is not None
     ]
-    unit = sparse.eye(n + 1, format="csr")
-    rows = sparse.vstack([unit, -unit, *(part for m, _, _ in bounds for part in (m, -m))], format="csr")
-    sides = np.concatenate([r, -r, *(part for _, low, high in bounds for part in (high, -low))])
-    of_t = np.zeros(sides.size)
-    of_t[: 2 * (n + 1)] = -1.0
-    largest = float(np.abs(y - r).max())
-    for place, sign in ((0, 1.0), (n + 1, -1.0)):
-        of_t[place], sides[place] = 0.0, sign * y[0] + PINNED * largest
-    everything = sparse.hstack([rows, sparse.csr_matrix(of_t[:, None])], format="csr")
-    answer = linprog(np.append(np.zeros(n + 1), 1.0), everything, sides, bounds=(None, None), method="highs-ipm")
+    unit, nothing = sparse.eye_array(n + 1, format="csr"), None
+    column = sparse.csr_matrix(np.ones((n + 1, 1)))
+    parts: list[list[Any]] = [[unit, -unit, nothing], [-unit, -unit, nothing], [nothing, unit, -column]]
+    parts += [[part, nothing, nothing] for matrix, _, _ in bounds for part in (matrix, -matrix)]
+    sides = np.concatenate([r, -r, np.zeros(n + 1), *(part for _, low, high in bounds for part in (high, -low))])
+    # The displacement begins where it rests.
+    begins: Any = [(y[0], y[0]), *[(None, None)] * n, (float(abs(y[0] - r[0])), None), *[(0.0, None)] * (n + 1)]
+    cost = np.concatenate([np.zeros(n + 1), np.full(n + 1, SPREAD / (n + 1)), [1.0]])
+    solve: Any = linprog
+    answer = solve(cost, sparse.block_array(parts, format="csr"), sides, bounds=begins, method="highs-ipm")
     # Without an answer the last voltage stays.
-    solution = np.append(y, largest) if answer.x is None else answer.x
-    return np.asarray(of_y @ solution[:-1] - shift)
+    best = y if answer.x is None else answer.x[: n + 1]
+    return np.asarray(np.clip(of_y @ best - shift, limits.low_V, limits.high_V))
 
 
 def _neighbours(here: Floats, next_to: Floats) -> Any:
