@@ -1,6 +1,6 @@
 """A designed loop and its certificate: margins, bandwidth, settling and poles, each the worst of all draws.
 
-The numbers are those of the filter as the C has them, in float32. Margins are those of Bode: the factor on |L| at every
+Margins are those of Bode: the factor on |L| at every
 phase of -180 degrees, and the phase left wherever |L| = 1. Settling is that of a step of the displacement, such as a
 push on the stage; a step of the reference passes through the inverse.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -22,10 +22,9 @@ from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_blo
 from hysgen.feedback.stage import (
     Uncertainty,
     draws,
-    first_mode_Hz,
     inverse,
     lines,
-    mode_lines,
+    modes_of,
     response,
     series,
     stage,
@@ -76,22 +75,13 @@ class Certificate:
         return wide and self.phase_margin_deg > 0.999 * design.PHASE_MARGIN_DEG and self.pole < 1.0
 
 
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """For pictures: frequencies, (n,); least and largest |L|, (2, n); phase of L of the model itself, in degrees, (n,);
-    steps, (draws, samples)."""
-
-    f_Hz: Floats
-    size: Floats
-    phase_deg: Floats
-    steps: Floats
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopDesign(Displayed):
     """correction(k) = correction(k-1) + integral/2 (f(k) + f(k-1)), f = F of the residual; the inverse is asked for it.
 
     latency: samples between reading and voltage that the record of the model does not hold. first_Hz: its lowest mode.
+    For pictures: frequencies f_Hz, (n,); least and largest |L| of all draws, size, (2, n); phase_deg of L of the model
+    itself, (n,); steps, (draws, samples): displacement after a push of 1.
     """
 
     model: str
@@ -102,7 +92,10 @@ class LoopDesign(Displayed):
     uncertainty: Uncertainty
     first_Hz: float | None
     certificate: Certificate
-    curves: Curves = field(repr=False)
+    f_Hz: Floats
+    size: Floats
+    phase_deg: Floats
+    steps: Floats
 
     @property
     def block(self) -> Structure | None:
@@ -158,19 +151,19 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
     known, ahead = inverse(model), latency + preview(model.blocks)
     chains = [stage(model, unit, given, ahead) for unit in cloud]
     stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
-    modes = [(f, 2.0 * given.frequency) for f, _ in mode_lines(model)]
+    modes = [(f, 2.0 * given.frequency) for f, _ in modes_of(model)]
     starts = (lines(model), modes, sorted([*lines(model), *modes]))
-    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts, given.frequency)
+    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts)
     block = filter_block(notches, model.Ts_s)
-    emitted = [] if block is None else [_as_emitted(block, model.Ts_s)]
-    loops = stages * response(emitted, z)
-    # The integral in float32, and no larger than the largest one.
+    filters = [] if block is None else [block.state_space(model.Ts_s)]
+    loops = stages * response(filters, z)
+    # In float32, and no larger than the largest one.
     gain = float(np.nextafter(np.float32(_gain(loops, model)), np.float32(0.0)))
     loops *= gain
     # A preview is the delay of the stage in whole samples, which a loop without the inverse has, too.
     without = stages / response(known, z)
     integral = (np.eye(1), np.ones(1), np.array([gain]), 0.5 * gain)
-    closed = [_closed([integral, *emitted, *known, *chain]) for chain in chains]
+    closed = [_closed([integral, *filters, *known, *chain]) for chain in chains]
     bandwidth_Hz = float(bandwidths_Hz(loops, f_Hz).min())
     steps = _steps(closed[:: len(closed) // STEPPED], math.ceil(TURNS / (2.0 * math.pi * bandwidth_Hz * model.Ts_s)))
     late = np.flatnonzero((np.abs(steps) > SETTLED).any(axis=0))
@@ -184,15 +177,27 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
         settling,
         *(float(bandwidths_Hz(_gain(bare, model) * bare, f_Hz).min()) for bare in (stages, without)),
     )
-    own = response([integral, *emitted, *known, *stage(model, np.zeros(cloud.shape[1]), given, ahead)], z)
-    size = np.abs(loops)
-    curves = Curves(f_Hz, np.array([size.min(axis=0), size.max(axis=0)]), np.rad2deg(np.unwrap(np.angle(own))), steps)
-    return LoopDesign(model.name, model.Ts_s, gain, notches, latency, given, first_mode_Hz(model), certificate, curves)
+    own = response([integral, *filters, *known, *stage(model, np.zeros(cloud.shape[1]), given, ahead)], z)
+    band = np.array([np.abs(loops).min(axis=0), np.abs(loops).max(axis=0)])
+    return LoopDesign(
+        model.name,
+        model.Ts_s,
+        gain,
+        notches,
+        latency,
+        given,
+        next((f for f, _ in modes), None),
+        certificate,
+        f_Hz,
+        band,
+        np.rad2deg(np.unwrap(np.angle(own))),
+        steps,
+    )
 
 
 def _gain(loops: Complex, model: Model) -> float:
-    gain, limit = largest_gain(loops)
-    if limit < 0 or not gain > 0.0:
+    gain = largest_gain(loops)
+    if not 0.0 < gain < math.inf:
         raise ModelError(f"{model.name}: no loop around this model keeps its margins; state a smaller uncertainty")
     return gain
 
@@ -200,7 +205,7 @@ def _gain(loops: Complex, model: Model) -> float:
 def _frequencies(model: Model, given: Uncertainty) -> Floats:
     """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
     parts = [np.geomspace(LOWEST / model.Ts_s, 0.499 / model.Ts_s, POINTS)]
-    for f_Hz, zeta in (*mode_lines(model), *lines(model)):
+    for f_Hz, zeta in (*modes_of(model), *lines(model)):
         sharp = zeta * max(1.0 - given.damping, 0.1)
         reach = given.frequency + given.share + WIDTHS * sharp
         parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
@@ -208,18 +213,6 @@ def _frequencies(model: Model, given: Uncertainty) -> Floats:
     parts.append(0.5 / model.Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
     f = np.unique(np.concatenate(parts))
     return f[(f >= LOWEST / model.Ts_s) & (f < 0.5 / model.Ts_s)]
-
-
-def _as_emitted(block: Structure, Ts_s: float) -> StateSpace:
-    """The filter with its float32 constants."""
-    numbers = {name: values.astype(np.float64) for name, values in block.constants(Ts_s).items()}
-    A, B, C, _ = block.state_space(Ts_s)
-    for j, (real, imag) in enumerate(zip(numbers["real"], numbers["imag"], strict=True)):
-        at = slice(2 * j, 2 * j + 2)
-        A[at, at] = [[1.0 - real, imag], [-imag, 1.0 - real]]
-        B[at] = real, imag
-        C[at] = numbers["of_position"][j], numbers["of_velocity"][j]
-    return A, B, C, float(numbers["direct"][0])
 
 
 def _margins(loops: Complex) -> tuple[float, float]:

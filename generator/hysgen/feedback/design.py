@@ -46,9 +46,6 @@ LEAST_POLE, LEAST_ZERO, MOST_ZERO = 0.2, 1e-3, 2.0
 EVALUATIONS, EDGE = 150, 0.2
 """Evaluations of the search for each number of the filter, and the edge of its first simplex, in logarithms."""
 
-WORTH = 0.1
-"""Share of bandwidth that a further notch must add."""
-
 LARGEST_WEIGHT = 100.0
 """Largest weight of a mode of the filter: beyond it two weights cancel, and float32 loses two digits."""
 
@@ -98,16 +95,11 @@ def filter_block(notches: tuple[Notch, ...], Ts_s: float) -> Structure | None:
     return Structure(f_Hz, zeta, share, Ts_s / 40.0, quadrature, Ts_s)
 
 
-def largest_gain(loops: Complex) -> tuple[float, int]:
-    """The largest K with which no row of K loops, (draws, frequencies), enters the ellipse or passes above it.
-
-    Beside it the index of the frequency that limits it, -1 where none does.
-    """
+def largest_gain(loops: Complex) -> float:
+    """The largest K with which no row of K loops, (draws, frequencies), enters the ellipse or passes above it."""
     away = np.abs(np.angle(-loops, deg=True)) / PHASE_MARGIN_DEG
     limit_dB = -GAIN_MARGIN_DB * np.sqrt(np.maximum(1.0 - away**2, 0.0))
-    most = np.where(away < 1.0, 10.0 ** (limit_dB / 20.0) / np.abs(loops), np.inf)
-    least = np.unravel_index(int(np.argmin(most)), most.shape)
-    return float(most[least]), int(least[1]) if np.isfinite(most[least]) else -1
+    return float(np.min(np.where(away < 1.0, 10.0 ** (limit_dB / 20.0) / np.abs(loops), np.inf)))
 
 
 def bandwidths_Hz(loops: Complex, f_Hz: Floats) -> Floats:
@@ -123,12 +115,12 @@ def bandwidths_Hz(loops: Complex, f_Hz: Floats) -> Floats:
 
 
 def best_filter(
-    stages: Complex, f_Hz: Floats, Ts_s: float, starts: Sequence[Sequence[tuple[float, float]]], spread: float
+    stages: Complex, f_Hz: Floats, Ts_s: float, starts: Sequence[Sequence[tuple[float, float]]]
 ) -> tuple[Notch, ...]:
     """The notches with the largest least bandwidth over the rows of `stages`.
 
     stages: (draws, frequencies) P with the integral (z + 1)/2(z - 1). starts: sets of frequency in Hz and damping ratio
-    at which notches begin; a further one begins at the frequency that limits K. spread: uncertainty of a mode.
+    at which notches begin.
     """
     z = np.exp(2j * math.pi * f_Hz * Ts_s)
 
@@ -138,45 +130,29 @@ def best_filter(
         if block is not None and np.abs(block.residues()).max() > LARGEST_WEIGHT:
             return 0.0
         loops = stages * filter_response(notches, z, Ts_s)
-        gain, limit = largest_gain(loops)
-        return 0.0 if limit < 0 else float(bandwidths_Hz(gain * loops, f_Hz).min())
+        return float(bandwidths_Hz(largest_gain(loops) * loops, f_Hz).min())
 
     def of(x: Floats) -> tuple[Notch, ...]:
         v, n, w, d = np.exp(x.reshape(-1, 4)).T
         hertz = [np.clip(f, f_Hz[0], 0.3 / Ts_s).tolist() for f in (v, w)]
-        return tuple(map(Notch, hertz[0], np.clip(n, LEAST_ZERO, MOST_ZERO).tolist(), hertz[1], _poles(d).tolist()))
+        zeros, poles = np.clip(n, LEAST_ZERO, MOST_ZERO).tolist(), np.clip(d, LEAST_POLE, MOST_DAMPING).tolist()
+        return tuple(map(Notch, hertz[0], zeros, hertz[1], poles))
 
-    def improved(start: Floats) -> tuple[float, Floats]:
-        simplex = np.vstack([start, start + EDGE * np.eye(start.size)])
-        options: Any = {"maxfev": EVALUATIONS * start.size, "initial_simplex": simplex}
-        search: Any = minimize
-        answer = search(lambda x: -bandwidth(x), start, method="Nelder-Mead", options=options)
-        return -float(answer.fun), np.asarray(answer.x)
-
-    def begun(before: Floats, more: Sequence[tuple[float, float]]) -> tuple[float, Floats]:
-        """The best of a grid of starts, improved. The poles of notches stand apart, or their weights would be large."""
-        starts = [
-            np.append(before, np.log([[f, n, place * f * 1.05**i, d] for i, (f, n) in enumerate(more)]).ravel())
+    best = bandwidth(np.zeros(0)), np.zeros(0)
+    search: Any = minimize
+    for lines in (lines[:MOST_NOTCHES] for lines in starts if lines):
+        # The poles of notches stand apart, or their weights would be large.
+        grid = [
+            np.log([[f, n, place * f * 1.05**i, d] for i, (f, n) in enumerate(lines)]).ravel()
             for place in PLACES
             for d in DAMPINGS
         ]
-        return improved(max(starts, key=bandwidth))
-
-    best = bandwidth(np.zeros(0)), np.zeros(0)
-    for lines in starts:
-        if lines:
-            best = max(best, begun(np.zeros(0), lines[:MOST_NOTCHES]), key=lambda pair: pair[0])
-    while best[1].size < 4 * MOST_NOTCHES:
-        _, limit = largest_gain(stages * filter_response(of(best[1]), z, Ts_s))
-        further = begun(best[1], [(float(f_Hz[limit]), 2.0 * spread)])
-        if further[0] < (1.0 + WORTH) * best[0]:
-            break
-        best = further
+        start = max(grid, key=bandwidth)
+        simplex = np.vstack([start, start + EDGE * np.eye(start.size)])
+        options = {"maxfev": EVALUATIONS * start.size, "initial_simplex": simplex}
+        answer = search(lambda x: -bandwidth(x), start, method="Nelder-Mead", options=options)
+        best = max(best, (-float(answer.fun), answer.x), key=lambda pair: pair[0])
     return of(best[1])
-
-
-def _poles(damping: Floats) -> Floats:
-    return np.clip(damping, LEAST_POLE, MOST_DAMPING)
 
 
 def _pair(f_Hz: float, damping: float) -> list[complex]:

@@ -73,21 +73,15 @@ def draws(model: Model) -> Floats:
     return np.asarray(2.0 * Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
 
 
-def mode_lines(model: Model) -> list[tuple[float, float]]:
-    """Frequency in Hz and damping ratio of every mode with a share of a hundredth or more of the displacement."""
-    strong: list[tuple[float, float]] = []
+def modes_of(model: Model) -> list[tuple[float, float]]:
+    """Frequency in Hz and damping ratio of every mode with LEAST_SHARE of the displacement or more, lowest first."""
+    modes: list[tuple[float, float]] = []
     for block in model.blocks:
         if isinstance(block, Modes):
             rows = zip(block.f_Hz, block.zeta, block.residues(), strict=True)
-            strong += [(f, zeta) for f, zeta, q in rows if abs(q) >= LEAST_SHARE]
-        if isinstance(block, Loop):
-            strong.append((block.f_Hz, block.zeta))
-    return sorted(strong)
-
-
-def first_mode_Hz(model: Model) -> float | None:
-    """Frequency of the lowest mode that counts; None without modes."""
-    return next((f_Hz for f_Hz, _ in mode_lines(model)), None)
+            modes += [(f, zeta) for f, zeta, q in rows if abs(q) >= LEAST_SHARE]
+        modes += [(block.f_Hz, block.zeta)] if isinstance(block, Loop) else []
+    return sorted(modes)
 
 
 def inverse(model: Model) -> list[StateSpace]:
@@ -133,20 +127,10 @@ def lines(model: Model) -> list[tuple[float, float]]:
 
 
 def response(chain: Sequence[StateSpace], z: Complex) -> Complex:
-    """Product of the responses of the factors, at z, by the eigenvalues of each."""
+    """Product of the responses D + C (z - A)^-1 B of the factors, at z, (n,)."""
     product = np.ones(z.shape, dtype=np.complex128)
     for A, B, C, D in chain:
-        if not B.any() or not C.any():
-            product *= D
-        elif A.shape[0] > 1 and not np.diag(A).any() and np.array_equal(A, np.eye(A.shape[0], k=-1)):
-            product *= D + sum(
-                c * z ** -(i + 1.0) for i, c in enumerate(C) if c
-            )  # a line of samples has no eigenvectors
-        else:
-            poles, V = np.linalg.eig(A)
-            for pole, residue in zip(poles, (C @ V) * np.linalg.solve(V, B), strict=True):
-                D = D + residue / (z - pole)
-            product *= D
+        product *= D + np.linalg.solve(z[:, None, None] * np.eye(B.size) - A, B[:, None])[..., 0] @ C
     return product
 
 
@@ -166,13 +150,10 @@ def _inverted(space: StateSpace) -> StateSpace:
 
 def _delayed(samples: float) -> StateSpace:
     """Whole samples and linear interpolation between two of them."""
-    whole, part = divmod(samples, 1.0)
-    weights = np.zeros(int(whole) + 1)
-    direct = 1.0 - part if whole == 0.0 else 0.0
-    if whole > 0.0:
-        weights[int(whole) - 1] = 1.0 - part
-    weights[int(whole)] = part
-    return np.eye(weights.size, k=-1), np.eye(weights.size)[0], weights, direct
+    whole = int(samples)
+    taps = np.zeros(whole + 2)
+    taps[whole:] = 1.0 + whole - samples, samples - whole
+    return np.eye(whole + 1, k=-1), np.eye(whole + 1)[0], taps[1:], float(taps[0])
 
 
 @functools.lru_cache(maxsize=8)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict
-from pathlib import Path
 
 from hysgen.api.models import design_loop
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
-from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.errors import HysgenError
 from hysgen.feedback.stage import LATENCY, Uncertainty
-from hysgen.machine.files import version, write_whole
 
 HELP = """\
 Design a feedback loop around the inverse of a model: an integral and notches of the largest bandwidth with margins of 6
@@ -26,7 +22,6 @@ The correction is added to the displacement that the inverse is asked for, so th
 def arguments(parser: argparse.ArgumentParser) -> None:
     add_model(parser)
     known = ",".join(f"{name}={value:g}" for name, value in asdict(Uncertainty()).items())
-    parser.add_argument("-o", "--output", metavar="FILE.json", help="write numbers and certificate of the loop")
     parser.add_argument(
         "--latency",
         type=float,
@@ -44,34 +39,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
-    changes: dict[str, float] = {}
-    for part in filter(None, arguments.uncertainty.split(",")):
-        key, _, value = part.partition("=")
-        try:
-            changes[key.strip()] = float(value)
-        except ValueError as fault:
-            raise HysgenError(f"--uncertainty: '{part}' is not KEY=VALUE; write frequency=0.02,gain=0.1") from fault
+    parts = [part.partition("=") for part in filter(None, arguments.uncertainty.split(","))]
+    try:
+        changes = {key.strip(): float(value) for key, _, value in parts}
+    except ValueError as fault:
+        raise HysgenError(f"--uncertainty: {fault}; write KEY=VALUE, as frequency=0.02,gain=0.1") from fault
     designed = design_loop(arguments.model, arguments.latency, **changes)
     console.say(str(designed))
-    if arguments.output:
-        marks = {"schema": "hysgen-loop", "version": 1, "hysgen": version()}
-        write_whole(Path(arguments.output), json.dumps(marks | designed.to_json(), indent=1) + "\n")
-        console.say(f"written: {arguments.output}")
     if arguments.plot:
         designed.plot().save(arguments.plot)
         console.say(f"written: {arguments.plot}")
     return console.finish(designed.to_json(), designed.certificate.holds)
 
 
-VERBS = {
-    "loop": Verb(
-        HELP,
-        arguments,
-        run,
-        {"output": Output("-o", (".json",))},
-        (
-            "hysgen loop stage.json -o loop.json --plot loop.png",
-            "hysgen loop stage.json --latency 2 --uncertainty frequency=0.03    a stage whose load changes",
-        ),
-    )
-}
+EXAMPLES = (
+    "hysgen loop stage.json --json loop.json --plot loop.png",
+    "hysgen loop stage.json --latency 2 --uncertainty frequency=0.03    a stage whose load changes",
+)
+VERBS = {"loop": Verb(HELP, arguments, run, examples=EXAMPLES)}

@@ -138,15 +138,15 @@ def _(result: Waveform) -> Drawing:
 def _(result: LoopDesign) -> Drawing:
     """|L| of every draw and phase of the model itself against frequency, and the displacement after a push."""
     fig, above, below, side = style.axes_beside()
-    curves, c = result.curves, result.certificate
-    above.fill_between(curves.f_Hz, *(20.0 * np.log10(curves.size)), color=style.EXTENDED, alpha=0.4, linewidth=0.0)
-    below.plot(curves.f_Hz, curves.phase_deg, color=style.EXTENDED)
+    c = result.certificate
+    above.fill_between(result.f_Hz, *(20.0 * np.log10(result.size)), color=style.EXTENDED, alpha=0.4, linewidth=0.0)
+    below.plot(result.f_Hz, result.phase_deg, color=style.EXTENDED)
     for axis, level in ((above, 0.0), (below, -180.0)):
         axis.axhline(level, color=style.NOTE, linestyle="--")
         axis.axvline(c.bandwidth_Hz, color=style.SIMULATED)
-        axis.set(xscale="log", xlim=(0.01 * c.bandwidth_Hz, curves.f_Hz[-1]))
-    time_ms = 1e3 * result.Ts_s * np.arange(curves.steps.shape[1])
-    side.plot(time_ms, curves.steps.T, color=style.EXTENDED, linewidth=style.THIN, alpha=0.3)
+        axis.set(xscale="log", xlim=(0.01 * c.bandwidth_Hz, result.f_Hz[-1]))
+    time_ms = 1e3 * result.Ts_s * np.arange(result.steps.shape[1])
+    side.plot(time_ms, result.steps.T, color=style.EXTENDED, linewidth=style.THIN, alpha=0.3)
     above.set(ylabel="|L| [dB], all draws", ylim=(-60.0, 40.0), title=f"{result.model}: {c.bandwidth_Hz:.4g} Hz")
     below.set(xlabel="frequency [Hz]", ylabel="phase [degrees]", ylim=(-720.0, 0.0))
     side.set(xlabel="time [ms]", ylabel="displacement after a push of 1")

@@ -1,0 +1,258 @@
+"""Loops that `hysgen loop` designs, around stages that share no equation with it: chains of masses in springs.
+
+python benchmarks/loops.py          bandwidths and margins, and the worst of a thousand chains after a push
+python benchmarks/loops.py track    rms and largest error of tasks by method, on a chain behind an elasto-slide actuator
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+import hysgen
+from hysgen.feedback.certificate import LoopDesign
+from hysgen.float32.reference.instance import Instance
+from hysgen.model.model import Grid, Model
+from hysgen.model.path import preview
+from hysgen.model.path.structure import Structure
+from hysgen.model.rivals import fit_proportional
+from hysgen.record.segment import Segment
+from hysgen.trajectory.inverse import own_response, rest_voltage
+
+Floats = NDArray[np.float64]
+TS_S = 2e-5
+LAG_S = 1e-4
+DRAWS = 1000
+
+
+def chain(masses: Floats, springs: Floats, damping: float) -> tuple[Floats, Floats, Floats]:
+    """x' = A x + B force, y = C x: masses in line, (n,), each behind a spring, (n,), the first one at the wall; the
+    force moves the first mass, the sensor sees all of them. Damping: the same share of critical in every spring."""
+    n = masses.size
+    links = np.eye(n) - np.eye(n, k=-1)
+    stiff = links.T @ np.diag(springs) @ links
+    lossy = links.T @ np.diag(2.0 * damping * np.sqrt(springs * masses)) @ links
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-stiff / masses[:, None], -lossy / masses[:, None]]])
+    B = np.concatenate([np.zeros(n), np.eye(n)[0] / masses])
+    C = np.concatenate([np.linspace(1.0, 0.3, n), np.zeros(n)])
+    return A, B, C / float(C @ np.linalg.solve(-A, B))
+
+
+def modal(A: Floats, B: Floats, C: Floats) -> Structure:
+    """The chain as an identification would find it: frequency, damping and complex share of each mode."""
+    poles, V = np.linalg.eig(A)
+    shares = -2.0 * (C @ V) * np.linalg.solve(V, B.astype(complex)) / poles
+    rows = sorted((abs(p), -p.real / abs(p), q.real, q.imag) for p, q in zip(poles, shares, strict=True) if p.imag < 0)
+    w, zeta, share, quadrature = (tuple(map(float, row)) for row in zip(*rows, strict=True))
+    return Structure(tuple(np.array(w) / (2.0 * math.pi)), zeta, share, LAG_S, quadrature, TS_S)
+
+
+def stage(modes: int) -> tuple[Floats, Floats, float]:
+    springs = (2.0 * math.pi * 800.0) ** 2 * np.array([1.0, 3.0, 6.0][:modes])
+    return np.array([1.0, 0.6, 0.3])[:modes], springs, 0.01
+
+
+def model_of(modes: int) -> Model:
+    keep = math.exp(-TS_S / LAG_S)
+    return Model(
+        "chain",
+        TS_S,
+        Grid(-40.0, 140.0, 4),
+        np.tile([keep, 1.0 - keep, 0.0], (4, 1)),
+        -20.0,
+        120.0,
+        blocks=(modal(*chain(*stage(modes))),),
+    )
+
+
+def pushed(model: Model, loop: LoopDesign, rng: np.random.Generator, samples: int) -> Floats:
+    """(DRAWS, samples) displacement less 50 um after a push of 1 um, by the arithmetic that is emitted.
+
+    Every draw is a chain of its own masses, springs and dampers behind an elasto-slide actuator and a lag.
+    """
+    masses, springs, damping = stage(len(model.blocks[0].f_Hz))
+    n = masses.size
+    # A spring of 1 % moves a mode by half of it, so does a mass: within the 1 % of the uncertainty.
+    own_masses, own_springs = (x * (1.0 + rng.uniform(-0.009, 0.009, (DRAWS, n))) for x in (masses, springs))
+    rates, of = np.zeros((DRAWS, 2 * n + 1, 2 * n + 1)), np.empty((DRAWS, 2 * n))
+    for i in range(DRAWS):
+        rates[i, :-1, :-1], rates[i, :-1, -1], of[i] = chain(
+            own_masses[i], own_springs[i], damping * rng.uniform(0.75, 1.25)
+        )
+    whole = expm(TS_S * rates)
+    step_A, step_B = whole[:, :-1, :-1], whole[:, :-1, -1]
+    level = np.full(DRAWS, 50.0, dtype=np.float32)
+    inverse = Instance(model, level, level)
+    block = loop.block
+    notches = None if block is None else block.mirror(np.zeros_like(level), TS_S)
+    keep = math.exp(-TS_S / LAG_S) ** (1.0 / rng.uniform(0.92, 1.08, DRAWS))
+    gain, slack = rng.uniform(0.97, 1.03, DRAWS), rng.uniform(0.0, 0.2, DRAWS)
+    rest = np.linalg.solve(np.eye(2 * n) - step_A, step_B[..., None])[..., 0]
+    x, lagged, slid, late = rest * 50.0, np.full(DRAWS, 50.0), np.zeros(DRAWS), np.full(DRAWS, 50.0)
+    asked, correction, before, y = level, np.zeros_like(level), np.zeros_like(level), np.empty((DRAWS, samples))
+    for k in range(samples):
+        y[:, k] = np.einsum("ij,ij->i", of, x) - 50.0 + 1.0
+        residual = (-y[:, k]).astype(np.float32)
+        moves = residual if notches is None else notches.apply(residual)
+        correction = correction + np.float32(0.5 * loop.integral) * (moves + before)
+        before = moves
+        # The voltage of the last sample acts now, a sample late; the slider gives way within its friction.
+        # From where it was asked last: the model's own y would feed modes back that the inverse leaves out.
+        u, late = late, inverse.inverse(asked, level + correction).astype(float)
+        asked = level + correction
+        slid = np.clip(slid, u - 50.0 - slack, u - 50.0 + slack)
+        drive = 50.0 + gain * (0.9 * (u - 50.0) + 0.1 * slid)
+        x = np.einsum("ijk,ik->ij", step_A, x) + step_B * lagged[:, None]
+        lagged = keep * lagged + (1.0 - keep) * drive
+    return y
+
+
+class Actuator:
+    """The chain of `modes` masses behind forty elasto-slide elements and a lag, with noise; voltages act a sample late."""
+
+    def __init__(self, modes: int, noise_um: float, draw: int) -> None:
+        A, B, self.C = chain(*stage(modes))
+        whole = expm(TS_S * np.block([[A, B[:, None]], [np.zeros((1, B.size + 1))]]))
+        self.A, self.B = whole[:-1, :-1], whole[:-1, -1]
+        rng = np.random.default_rng([modes, draw])
+        self.slack_V = 40.0 * np.random.default_rng(modes).weibull(1.5, 40)
+        self.rest = np.linalg.solve(np.eye(B.size) - self.A, self.B)
+        self.noise = (noise_um * rng.standard_normal(200_000)).tolist()
+        self.slid, self.last_V, self.late_V, self.k = np.zeros(40), 0.0, 0.0, 0
+        self.lagged = 0.0
+        self.x = self.rest * 0.0
+        self.keep = math.exp(-TS_S / LAG_S)
+
+    def read(self) -> float:
+        """Displacement in um with noise."""
+        self.k += 1
+        return float(self.C @ self.x) + self.noise[self.k % 200_000]
+
+    def step(self, u_V: float) -> None:
+        """One sample under the voltage of the sample before."""
+        u_V, self.late_V = self.late_V, u_V
+        self.slid = np.clip(self.slid + (u_V - self.last_V), -self.slack_V, self.slack_V)
+        self.last_V = u_V
+        self.x = self.A @ self.x + self.B * self.lagged
+        drive = 0.12 * (u_V - 0.25 * float(self.slid.mean()))
+        self.lagged = self.keep * self.lagged + (1.0 - self.keep) * drive
+
+    def play(self, u_V: Floats) -> Floats:
+        """(n,) readings, from the range's low end, up, down, and a second at the first voltage on."""
+        fill = np.concatenate([np.linspace(0.0, 100.0, 4000), np.linspace(100.0, 0.0, 4000), np.full(3000, u_V[0])])
+        fill[8000:8500] = np.linspace(0.0, u_V[0], 500)
+        for u in fill:
+            self.step(float(u))
+        out = np.empty(u_V.size)
+        for k, u in enumerate(u_V):
+            out[k] = self.read()
+            self.step(float(u))
+        return out
+
+
+TASKS = (("sine", 50.0), ("sine", 100.0), ("triangle", 1000.0), ("scan", 50.0), ("steps", 20.0))
+"""Form and frequency in Hz of each task: two sines, a fast triangle, a raster with flyback, a staircase."""
+
+NOISE_UM, REPEATS = 5e-4, 10
+
+
+def record_of(modes: int) -> hysgen.Record:
+    """0.8 s of slow loops, steps and a chirp, by which a model is identified."""
+    rng = np.random.default_rng([modes, 99])
+    t = TS_S * np.arange(40_000)
+    slow = 50.0 + 45.0 * np.interp(t, np.linspace(0.0, 0.8, 33), rng.uniform(-1.0, 1.0, 33))
+    u_V = np.clip(slow + 4.0 * np.sin(2.0 * np.pi * (100.0 * t + 3000.0 * t**2)), 0.0, 100.0)
+    return hysgen.Record.from_arrays(u_V, Actuator(modes, NOISE_UM, 0).play(u_V), TS_S, source="chain")
+
+
+def followed(model: Model, actuator: Actuator, wanted: Floats, integral: float, block: Structure | None) -> Floats:
+    """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before."""
+    ahead = preview(model.blocks) + 1
+    course = np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]).astype(np.float32)
+    first_V = np.float32(rest_voltage(own_response(model), float(wanted[0])))
+    actuator.play(np.full(10, first_V))
+    inverse = Instance(model, course[:1], np.array([first_V]))
+    notches = None if block is None else block.mirror(np.zeros(1, dtype=np.float32), TS_S)
+    correction = before = np.zeros(1, dtype=np.float32)
+    asked = course[:1]
+    out = np.empty(course.size - ahead)
+    for k in range(out.size):
+        out[k] = actuator.read()
+        residual = (course[k : k + 1] - np.float32(out[k])).astype(np.float32)
+        moves = residual if notches is None else notches.apply(residual)
+        correction, before = correction + np.float32(0.5 * integral) * (moves + before), moves
+        aim = course[k + ahead : k + ahead + 1] + correction
+        actuator.step(float(inverse.inverse(asked, aim)[0]))
+        asked = aim
+    return out[3000:]
+
+
+def track(modes: int) -> None:
+    """The table: rms and largest error in nm of every task by every method."""
+    record = record_of(modes)
+    model, paper, straight = hysgen.diagnose(record).model, hysgen.fit(record), fit_proportional(record)
+    loop = hysgen.design_loop(model)
+    print(model, loop, sep="\n")
+    by_hand = 2.0 * math.pi * loop.certificate.without_inverse_Hz * TS_S
+    print(f"noise {1e3 * NOISE_UM:.2f} nm; integral by hand {by_hand:.4g} a sample; rms (largest) error in nm")
+    for form, f_Hz in TASKS:
+        shape = hysgen.Form(1.0 if f_Hz < 500.0 else 0.05, 6.0, f_Hz, max(2.0, round(0.04 * f_Hz)))
+        plan = hysgen.waveform(model, form, shape, loop=True)
+        wanted, row = plan.reference.values, {}
+
+        def play(u_V: Floats, repeat: int = 0) -> Floats:
+            return Actuator(modes, NOISE_UM, 1 + repeat).play(u_V)
+
+        ratio = np.append(straight.inverse(wanted), 0.0)[: wanted.size]
+        ratio[-1] = ratio[-2]
+        row["proportional"] = play(ratio) - wanted
+        other = hysgen.waveform(paper, form, shape)
+        row["paper's inverse"] = play(other.u_V)[other.lead :] - wanted
+        row["by hand"] = by_hand_errors(Actuator(modes, NOISE_UM, 1), ratio, wanted, by_hand / 0.1)
+        plays = []
+        for repeat in range(REPEATS + 1):
+            y_um = play(plan.u_V, repeat)
+            if repeat in (0, 1, 3, REPEATS):
+                row[f"learnt {repeat}" if repeat else "feed-forward"] = y_um[plan.lead :] - wanted
+            segment = Segment("0", plan.u_V, y_um, {}, plan.start_s)
+            plays.append(hysgen.Record.from_segments([segment], TS_S, "played"))
+            plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
+        row["designed loop"] = followed(model, Actuator(modes, NOISE_UM, 1), wanted, loop.integral, loop.block) - wanted
+        texts = (f"{name} {1e3 * np.sqrt(np.mean(e**2)):.4g} ({1e3 * np.abs(e).max():.4g})" for name, e in row.items())
+        print(f"{form} {f_Hz:g} Hz:", "; ".join(texts), flush=True)
+
+
+def by_hand_errors(actuator: Actuator, ratio_V: Floats, wanted: Floats, gain_V: float) -> Floats:
+    """(n,) errors of proportional feed-forward and an integral, in V per um and sample, as tuned by hand."""
+    actuator.play(np.full(10, ratio_V[0]))
+    sum_V, error = 0.0, np.empty(wanted.size + 3000)
+    for k in range(error.size):
+        at = max(k - 3000, 0)
+        error[k] = actuator.read() - wanted[at]
+        sum_V -= gain_V * error[k]
+        actuator.step(float(np.clip(ratio_V[at] + sum_V, 0.0, 100.0)))
+    return error[3000:]
+
+
+def main() -> None:
+    """Print one of the tables."""
+    if sys.argv[1:2] == ["track"]:
+        for modes in map(int, sys.argv[2:] or ("1",)):
+            track(modes)
+        return
+    for modes in (1, 2, 3):
+        model = model_of(modes)
+        loop = hysgen.design_loop(model)
+        samples = math.ceil(20.0 / (2.0 * math.pi * loop.certificate.bandwidth_Hz * TS_S))
+        y = np.abs(pushed(model, loop, np.random.default_rng(modes), 2 * samples))
+        print(
+            loop, f"{DRAWS} chains: largest {y.max():.3g} of a push of 1, {y[:, -50:].max():.3g} at the end", sep="\n"
+        )
+
+
+if __name__ == "__main__":
+    main()
