@@ -112,7 +112,7 @@ def pushed(model: Model, loop: LoopDesign, rng: np.random.Generator, samples: in
 
 
 class Actuator:
-    """The chain of `modes` masses behind forty elasto-slide elements and a lag, with noise; voltages act a sample late."""
+    """Masses behind forty elasto-slide elements and a lag, with noise; voltages act a sample late."""
 
     def __init__(self, modes: int, noise_um: float, draw: int) -> None:
         A, B, self.C = chain(*stage(modes))
