@@ -75,7 +75,7 @@ def test_generate_refuses_where_float32_does_not_resolve_half_the_noise(level_um
         assert hysgen.generate(model)
         return
     with pytest.raises(
-        ModelError, match=r"float32 has steps of 0\.977 nm, more than half the noise \(0\.2\d+ nm\); take 12"
+        ModelError, match=r"float32 has steps of 0\.000977 um, more than half the noise \(0\.0002\d+ um\); take 12"
     ):
         hysgen.generate(model)
 
