@@ -102,6 +102,12 @@ def test_quantities_that_do_not_fit_are_refused(log: str, capsys: pytest.Capture
 def test_a_text_is_translated_once_and_tables_stay_straight() -> None:
     swapped = Quantities("displacement", "um", "voltage", "V")
     assert swapped.text("a voltage of 2 V moves by 3 um") == "a displacement of 2 um moves by 3 V"
+    fmu = export_texts(dataclasses.replace(hysgen.load_model("appendix_a"), quantities=swapped), "fmu")
+    assert re.findall(r'name="([yu]_\w+)".*unit="(\w+)"', fmu["modelDescription3.xml"])[:2] == [
+        ("y_um", "V"),
+        ("u_V", "um"),
+    ]
+    assert all(fmu[f"sources{standard}/appendix_a.c"] == fmu["model/appendix_a.c"] for standard in (2, 3))
     with written_in(OTHER):
         text = OTHER.text(hysgen.display.table(["model", "rms um", "n"], [["base", "0.4 um", "1"]]))
     assert text == "model  rms deg  n\n-----  -------  -\nbase   0.4 deg  1"

@@ -90,6 +90,10 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     return texts | {MANIFEST: manifest(model, texts, summary)}
 
 
+NAMES_HOLD = "names that end in _um hold um, in _V V"
+"""What the identifiers of the C hold, which are the same for all quantities."""
+
+
 def in_quantities(model: Model, path: str, text: str) -> str:
     """The text of a file in the model's quantities; in C, comments and strings. A line says what identifiers hold.
 
@@ -101,12 +105,7 @@ def in_quantities(model: Model, path: str, text: str) -> str:
     if not path.endswith((".c", ".h")):
         return stated.text(text)
     text = re.sub(r'/\*.*?\*/|"[^"\n]*"', lambda part: stated.text(part[0]), text, flags=re.DOTALL)
-    return re.sub(r"\A/\*(.*?)( ?\*/)", rf"/*\1\n * Here {names_hold(model)}.\2", text, count=1, flags=re.DOTALL)
-
-
-def names_hold(model: Model) -> str:
-    """What the identifiers of the C hold, which are the same for all quantities."""
-    return f"names that end in _um hold {model.quantities.output_unit}, in _V {model.quantities.input_unit}"
+    return re.sub(r"\A/\*(.*?)( ?\*/)", rf"/*\1\n * Here {stated.text(NAMES_HOLD)}.\2", text, count=1, flags=re.DOTALL)
 
 
 def _require_resolution(model: Model) -> None:

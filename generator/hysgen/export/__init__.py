@@ -82,7 +82,5 @@ def _texts(export: Export, draft: Draft) -> dict[str, str]:
     texts |= draft.rendered(export.files)
     texts |= export.sources(draft)
     texts |= {"README.md": draft.readme(export.readme)} if export.readme else {}
-    own = {
-        path: in_quantities(draft.model, path, text) for path, text in texts.items() if not path.startswith("model/")
-    }
-    return texts | own
+    named = set(draft.generated.values())  # in the model's quantities, wherever the export copies them
+    return {path: text if text in named else in_quantities(draft.model, path, text) for path, text in texts.items()}

@@ -165,24 +165,16 @@ def describe(
         struct = interface.struct(f"{name}_learner_t")
         entries += _members(struct, Place(learner, _placed(elf, learner, struct.bytes)), Limits.of_learner(model))
         status.append((learner, LEARNER_MEANINGS))
-    entries = [_in_quantities(model, entry) for entry in entries]
     words = {entry.name: entry for entry in entries}
     bits = [bit for variable, meanings in status for bit in _bits(words[f"{variable}.status"], meanings)]
     return Description(
         characteristics=(
-            *(_in_quantities(model, _table(name, table, elf)) for table in tables),
+            *(_table(name, table, elf) for table in tables),
             *(entry for entry in entries if entry.writable),
         ),
         measurements=(*(entry for entry in entries if not entry.writable), *bits),
         byte_order="MSB_LAST" if elf.little_endian else "MSB_FIRST",
     )
-
-
-def _in_quantities(model: Model, entry: Entry) -> Entry:
-    """The entry with the names and units of the model's quantities."""
-    words, axis = model.quantities.text, entry.axis
-    axis = None if axis is None else replace(axis, name=words(axis.name), unit=words(axis.unit))
-    return replace(entry, about=words(entry.about), unit=words(entry.unit), axis=axis)
 
 
 @dataclass(frozen=True)

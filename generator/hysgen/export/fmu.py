@@ -17,7 +17,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.codegen import Options, names_hold
+from hysgen.codegen import NAMES_HOLD, Options
 from hysgen.codegen.manifest import c_files, read_folder
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
@@ -109,19 +109,17 @@ class Variable:
 def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     """The variables of the FMU, in the order of its description."""
     listed: list[Variable] = []
-    words = model.quantities.text
 
     def add(name: str, kind: str, causality: str, about: str, **more: Any) -> None:
         variability = more.pop("variability", "continuous" if kind == "float" else "discrete")
         place = len(listed) + 1
         listed.append(
-            Variable(place, place, name, kind, causality, variability, words(about), more.pop("member", name), **more)
+            Variable(place, place, name, kind, causality, variability, about, more.pop("member", name), **more)
         )
 
     modes = ", ".join(f"{mode.number}: {mode.name}" for mode in facts["modes"])
-    y_unit, u_unit = model.quantities.output_unit, model.quantities.input_unit
-    y = {"unit": y_unit, "start": facts["rest_um"]}
-    u = {"unit": u_unit, "start": facts["middle_V"]}
+    y = {"unit": "um", "start": facts["rest_um"]}
+    u = {"unit": "V", "start": facts["middle_V"]}
     fixed = {"variability": "fixed"}
     last = str(facts["modes"][-1].number)
     add("mode", "word", "parameter", modes, start="1", low="0", high=last, **fixed)
@@ -138,14 +136,8 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
         name = "aux_" + re.sub(r"\W", "_", channel)
         start = repr(float(middles[c])) if c < len(middles) else "0.0"
         add(name, "float", "input", f"auxiliary channel {channel}", member=f"aux[{c}]", start=start)
-    add("y_model_um", "float", "output", "displacement y(k+1) of the model", unit=y_unit)
-    add(
-        "u_command_V",
-        "float",
-        "output",
-        "voltage of the sample: of the inverse, or the accepted input",
-        unit=u_unit,
-    )
+    add("y_model_um", "float", "output", "displacement y(k+1) of the model", unit="um")
+    add("u_command_V", "float", "output", "voltage of the sample: of the inverse, or the accepted input", unit="V")
     add("status", "word", "output", "status bits; those of the learner shifted left by 16")
     if facts["learns"]:
         add("answer", "word", "output", "answer of the last call of commit")
@@ -172,7 +164,7 @@ def facts_of(draft: Draft) -> dict[str, Any]:
     own = [f"{name}_fmu.c", f"{name}_component.c", f"{name}.c"]
     stated = draft.model.quantities
     return {
-        "names_hold": names_hold(draft.model) if stated.other else "",
+        "names_hold": NAMES_HOLD if stated.other else "",
         "units": [f'<Unit name="{unit}"/>' for unit in dict.fromkeys(stated.units)] if stated.other else _UNITS,
         "variables": variables(draft.model, draft.facts),
         "token": token(draft.generated),
