@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -73,7 +73,7 @@ class NextExperiment:
     quantities: Quantities
 
     def csv(self) -> str:
-        """`time_s,voltage_V`, every number as the float64 that it is."""
+        """`time_s` and the input, as `voltage_V`, every number as the float64 that it is."""
         time_s = (np.arange(len(self.u_V)) * self.Ts_s).tolist()
         return write_csv({"time_s": time_s, self.quantities.columns[0]: self.u_V.tolist()})
 
@@ -111,7 +111,7 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     if isinstance(result, Study):
         from hysgen.report.diagnosis import diagnosis_page
 
-        return replace(diagnosis_page(result), quantities=result.record.quantities)
+        return dataclasses.replace(diagnosis_page(result), quantities=result.record.quantities)
     if len(result) == 2:
         models, record = result
         scored = {name: score(model, record) for name, model in models.items()}
@@ -121,4 +121,4 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     from hysgen.report.model import ScoredModels, model_page
 
     made = model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
-    return replace(made, quantities=record.quantities)
+    return dataclasses.replace(made, quantities=record.quantities)

@@ -145,12 +145,14 @@ def rivals(
 
 def certificates(model: Model) -> Certificates:
     """Contraction of the free run, gain and inverse over the whole range of a model."""
-    return certify(model_of(model)).shown_in(model_of(model).quantities)
+    stage = model_of(model)
+    return certify(stage).shown_in(stage.quantities)
 
 
 def describe(model: Model) -> Dynamics:
     """A model as a dynamic system: time constant, gain, loop against frequency."""
-    return dynamics(model_of(model)).shown_in(model_of(model).quantities)
+    stage = model_of(model)
+    return dynamics(stage).shown_in(stage.quantities)
 
 
 def simulate(

@@ -1,8 +1,8 @@
 """A designed loop and its certificate: margins, bandwidth, settling and poles, each the worst of all draws.
 
-Margins are those of Bode: the factor on |L| at every
-phase of -180 degrees, and the phase left wherever |L| = 1. Settling is that of a step of the displacement, such as a
-push on the stage; a step of the reference passes through the inverse.
+Margins are those of Bode: the factor on |L| at every phase of -180 degrees, and the phase left wherever |L| = 1.
+Settling is that of a step of the displacement, such as a push on the stage; a step of the reference passes through the
+inverse.
 """
 
 from __future__ import annotations
@@ -145,14 +145,15 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
 
     latency: as for LoopDesign. Raises ModelError if there is none.
     """
-    f_Hz = _frequencies(model, given)
+    modes, ringing = modes_of(model), lines(model)
+    f_Hz = _frequencies([*modes, *ringing], given, model.Ts_s)
     z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
     cloud = draws(model)
     known, ahead = inverse(model), latency + preview(model.blocks)
     chains = [stage(model, unit, given, ahead) for unit in cloud]
     stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
-    modes = [(f, 2.0 * given.frequency) for f, _ in modes_of(model)]
-    starts = (lines(model), modes, sorted([*lines(model), *modes]))
+    wide = [(f, 2.0 * given.frequency) for f, _ in modes]
+    starts = (ringing, wide, sorted([*ringing, *wide]))
     notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts)
     block = filter_block(notches, model.Ts_s)
     filters = [] if block is None else [block.state_space(model.Ts_s)]
@@ -202,17 +203,17 @@ def _gain(loops: Complex, model: Model) -> float:
     return gain
 
 
-def _frequencies(model: Model, given: Uncertainty) -> Floats:
+def _frequencies(modes: Sequence[tuple[float, float]], given: Uncertainty, Ts_s: float) -> Floats:
     """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
-    parts = [np.geomspace(LOWEST / model.Ts_s, 0.499 / model.Ts_s, POINTS)]
-    for f_Hz, zeta in (*modes_of(model), *lines(model)):
+    parts = [np.geomspace(LOWEST / Ts_s, 0.499 / Ts_s, POINTS)]
+    for f_Hz, zeta in modes:
         sharp = zeta * max(1.0 - given.damping, 0.1)
         reach = given.frequency + given.share + WIDTHS * sharp
         parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
     # Near half the sampling rate, where zeros of sampled modes make the inverse ring.
-    parts.append(0.5 / model.Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
+    parts.append(0.5 / Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
     f = np.unique(np.concatenate(parts))
-    return f[(f >= LOWEST / model.Ts_s) & (f < 0.5 / model.Ts_s)]
+    return f[(f >= LOWEST / Ts_s) & (f < 0.5 / Ts_s)]
 
 
 def _margins(loops: Complex) -> tuple[float, float]:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.signal import bilinear_zpk
 
+from hysgen.feedback.stage import natural
 from hysgen.model.path.modes import MOST_DAMPING
 from hysgen.model.path.structure import Structure
 
@@ -87,9 +88,8 @@ def filter_block(notches: tuple[Notch, ...], Ts_s: float) -> Structure | None:
     for pole in p[p.imag < 0.0]:
         others = p[np.abs(p - pole) > 0.0]
         residue = k * np.prod(pole - z) / np.prod(pole - others)
-        rate = np.log(pole) / Ts_s
         weight = 2.0 * residue / (1.0 - pole) / pole
-        modes.append((abs(rate) / (2.0 * math.pi), -rate.real / abs(rate), weight.real, weight.imag))
+        modes.append((*natural(pole, Ts_s), weight.real, weight.imag))
     f_Hz, zeta, share, quadrature = (tuple(map(float, row)) for row in zip(*sorted(modes), strict=True))
     # A lag that is gone within a sample: the filter stands before no rules.
     return Structure(f_Hz, zeta, share, Ts_s / 40.0, quadrature, Ts_s)

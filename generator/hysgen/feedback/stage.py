@@ -25,7 +25,7 @@ from scipy.stats.qmc import Sobol
 from hysgen.certify.enclosure import slope
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
-from hysgen.model.path.base import StateSpace
+from hysgen.model.path.base import StateSpace, inverted
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING, Modes
 from hysgen.model.path.structure import Structure
@@ -89,7 +89,7 @@ def inverse(model: Model) -> list[StateSpace]:
     solved = [block for block in model.blocks if isinstance(block, Modes | Loop) and block.solves(model.Ts_s)]
     a = _pole(model)
     lag = (np.zeros((1, 1)), np.ones(1), np.array([-a / (1.0 - a)]), 1.0 / (1.0 - a))
-    return [*(_inverted(_space(block, model.Ts_s)) for block in solved), lag]
+    return [*(inverted(_space(block, model.Ts_s)) for block in solved), lag]
 
 
 def stage(model: Model, unit: Floats, given: Uncertainty, samples: float) -> list[StateSpace]:
@@ -117,13 +117,18 @@ def lines(model: Model) -> list[tuple[float, float]]:
     for block in model.blocks:
         if isinstance(block, Modes | Loop):
             space = _space(block, model.Ts_s)
-            matrix = (_inverted(space) if block.solves(model.Ts_s) else space)[0]
+            matrix = (inverted(space) if block.solves(model.Ts_s) else space)[0]
             for pole in np.linalg.eigvals(matrix).astype(np.complex128):
-                rate = np.log(pole) / model.Ts_s
-                zeta = max(float(-rate.real / abs(rate)), LEAST_DAMPING)
+                f_Hz, zeta = natural(pole, model.Ts_s)
                 if pole.imag > 0.0 and zeta < RINGS:
-                    ringing.append((float(abs(rate)) / (2.0 * math.pi), zeta))
+                    ringing.append((f_Hz, max(zeta, LEAST_DAMPING)))
     return sorted(ringing)
+
+
+def natural(pole: complex, Ts_s: float) -> tuple[float, float]:
+    """Frequency in Hz and damping ratio of a pole in z."""
+    rate = np.log(pole) / Ts_s
+    return float(abs(rate)) / (2.0 * math.pi), float(-rate.real / abs(rate))
 
 
 def response(chain: Sequence[StateSpace], z: Complex) -> Complex:
@@ -141,11 +146,6 @@ def series(chain: Sequence[StateSpace]) -> StateSpace:
         A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [np.outer(b, C), a]])
         B, C, D = np.concatenate([B, b * D]), np.concatenate([d * C, c]), d * D
     return A, B, C, D
-
-
-def _inverted(space: StateSpace) -> StateSpace:
-    A, B, C, D = space
-    return A - np.outer(B, C) / D, B / D, -C / D, 1.0 / D
 
 
 def _delayed(samples: float) -> StateSpace:

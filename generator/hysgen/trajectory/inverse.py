@@ -23,7 +23,7 @@ from scipy.signal import lfilter
 from hysgen.errors import ModelError
 from hysgen.machine.kernels.operators import hysteresis_inverse
 from hysgen.model.model import Model
-from hysgen.model.path.base import InputBlock, StateSpace
+from hysgen.model.path.base import InputBlock, StateSpace, inverted
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.regression import memberships
@@ -71,7 +71,7 @@ def preview_samples(model: Model) -> int:
     for block in model.blocks:
         ahead += block.preview
         space = block.state_space(model.Ts_s)
-        outside = [] if space is None else [abs(z) for z in _zeros(space) if abs(z) > 1.0]
+        outside = [] if space is None else [abs(z) for z in np.linalg.eigvals(inverted(space)[0]) if abs(z) > 1.0]
         if isinstance(block, Delay) and block.part > 0.5 and (1.0 - block.part) / block.part < NEAR_CIRCLE:
             outside = [block.part / (1.0 - block.part)]
         if outside:
@@ -135,16 +135,12 @@ def _solved(block: InputBlock, out: Floats, input_at_rest: float, out_at_rest: f
     return out
 
 
-def _zeros(space: StateSpace) -> NDArray[np.complex128]:
-    A, B, C, D = space
-    return np.linalg.eigvals(A - np.outer(B, C) / D).astype(np.complex128)
-
-
 def _linear_inverse(space: StateSpace, out: Floats) -> Floats:
     """The input of a linear block, both as deviations from rest; `out` stays at its last value."""
-    A, B, C, D = space
-    zeros, V = np.linalg.eig(A - np.outer(B, C) / D)
-    weights = np.linalg.solve(V, B / D) * (C @ V)
+    _, _, C, D = space
+    A, B, _, _ = inverted(space)
+    zeros, V = np.linalg.eig(A)
+    weights = np.linalg.solve(V, B) * (C @ V)
     x = out / D
     for zero, weight in zip(zeros, weights, strict=True):
         if abs(zero) < 1.0:

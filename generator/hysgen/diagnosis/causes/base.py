@@ -22,7 +22,6 @@ from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
 from hysgen.record.excitation import Excitation
-from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
 
@@ -117,7 +116,8 @@ def limited_rows(scene: Scene, chain: Chain, kind: type[Part]) -> int:
 
 def turns(scene: Scene) -> bool:
     """Whether the command of any run ever turns: on one way no voltage is passed twice."""
-    return any(len(turning_rows(np.concatenate([run.history.u_V, run.u_V]), 0.0)) > 0 for run in scene.runs)
+    moves = (np.diff(run.u_V, prepend=run.history.u_V) for run in scene.runs)
+    return any(bool((move_V < 0.0).any() and (move_V > 0.0).any()) for move_V in moves)
 
 
 class Cause(abc.ABC):

@@ -64,6 +64,11 @@ class CreepPart(Part):
     past_V: float | None = None
     past_s: float | None = None
 
+    @property
+    def rested(self) -> CreepPart:
+        """The creep of a stage that rested before the record."""
+        return CreepPart(self.per_decade, self.from_s)
+
     def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
         # Creep slower than ten times the length of the record cannot be measured.
         return Creep.logarithmic(self.per_decade, self.from_s, 10.0 * span_s, states)
@@ -87,7 +92,7 @@ class CreepCause(Cause):
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Creep of a stage that rested before the record."""
         part = chain.of(CreepPart)
-        return [] if part.past is None else [chain.having(CreepPart(part.per_decade, part.from_s))]
+        return [] if part.past is None else [chain.having(part.rested)]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start of each form."""

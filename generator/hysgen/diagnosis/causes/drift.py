@@ -5,7 +5,6 @@ Its rate is constant, or it decreases with the logarithm of time, like creep fro
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -145,8 +144,8 @@ class DriftCause(Cause):
         creep = chain.get(CreepPart)
         if creep is not None:
             # Creep of an earlier move takes a part of a ramp: the drift is beside that of a stage that rested, too.
-            rested = [chain.having(dataclasses.replace(creep, past_V=None, past_s=None))]
-            return [] if self.present(chain) else [form.having(DriftPart()) for form in (chain, *rested)]
+            forms = dict.fromkeys((chain, chain.having(creep.rested)))
+            return [] if self.present(chain) else [form.having(DriftPart()) for form in forms]
         slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
         part = chain.get(DriftPart)
         if part is not None:

@@ -52,6 +52,12 @@ class BlockBox:
     integers: Mapping[str, int] = field(default_factory=dict)
 
 
+def inverted(space: StateSpace) -> StateSpace:
+    """The system from w to x; its poles are the zeros of the given one, whose D is not 0."""
+    A, B, C, D = space
+    return A - np.outer(B, C) / D, B / D, -C / D, 1.0 / D
+
+
 class BlockMirror(MirroredStruct, abc.ABC):
     """The float32 reference of a block over `lanes` independent instances, in the generated C's order of operations."""
 
