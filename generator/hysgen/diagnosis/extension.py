@@ -52,7 +52,7 @@ class Extension:
 
     in_place: the block of an earlier cause as it is beside this one, and the blocks that follow it; none without it.
     size: size of the hysteresis, None for a cause without memory. relaxation: s_j / r_j of the plays, 0 for plays that
-    do not relax. lag_s: lag of the chain that the block belongs to.
+    do not relax. lag_s: lag of the chain that the block belongs to. past: as of `FitSettings`.
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
     correction: slow change that is removed from the displacement before the fit.
     forgetting_s: time constant of the learner, by which it follows a change of the gain; None for no forgetting.
@@ -64,6 +64,7 @@ class Extension:
     in_place: tuple[InputBlock, ...] = ()
     size: PathSize | None = None
     relaxation: float = 0.0
+    past: tuple[float, float] | None = None
     lag_s: float | None = None
     trust: Floats | None = None
     correction: Correction | None = None
@@ -74,7 +75,7 @@ class Extension:
     def content(self) -> Hashable:
         """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
-        path = (self.block, self.in_place, self.size, self.relaxation, self.lag_s)
+        path = (self.block, self.in_place, self.size, self.relaxation, self.past, self.lag_s)
         return (self.term, *path, trust, self.correction, self.learns)
 
     @property

@@ -96,14 +96,19 @@ def fit_ladder(
         settle=0,
         input_range_V=prepared.record.u_range_V,
         displacement_range_um=_model_range_um(prepared, level),
+        past=next((extension.past for extension in chosen if extension.past is not None), None),
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     if any(extension.on_path for extension in chosen):
         problem = _path_problem(prepared, chosen, extended, level)
         weights = known_past(part, weights)
-        # A cross-validation compares paths: the rules behind them stay one lag.
-        model = path_model(problem, weights) if skip is not None else fit_path(problem, extended, weights)
-        return _rung(names, model, level)
+        if skip is None:
+            return _rung(names, fit_path(problem, extended, weights), level)
+        # A cross-validation compares paths: the rules behind them stay one lag, and the record's own past is known.
+        model, crept_um = path_model(problem, weights)
+        rung = _rung(names, model, level)
+        rung.error_um[: part.samples] += np.concatenate(crept_um)
+        return rung
     try:
         model = fit(part, extended, trust=weights)
     except FitError:

@@ -52,7 +52,6 @@ LEAST_FALL. It decides what is worth its cycles; what is named does not depend o
 LEAST_FALL = 0.02
 """An extension that lowers the rms error by less than this share is not made: it does not pay for its cycles."""
 
-
 SEARCHED = 0.7
 """Share of the time of `name_causes` until the search is done, for progress."""
 

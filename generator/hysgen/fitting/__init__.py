@@ -2,7 +2,8 @@
 
 from hysgen.fitting.identify import fit, fit_path, path_task
 from hysgen.fitting.operator import CURVE, PathSize
-from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
+from hysgen.fitting.path import PathColumns, known_past, path_columns, path_model
+from hysgen.fitting.path_regressors import PathTask
 from hysgen.fitting.settings import FitSettings, Method
 
 __all__ = [

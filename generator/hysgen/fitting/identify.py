@@ -13,7 +13,8 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
 from hysgen.fitting.operator import CURVE
-from hysgen.fitting.path import PathColumns, PathTask, known_past, path_columns, path_model
+from hysgen.fitting.path import PathColumns, known_past, path_columns, path_model
+from hysgen.fitting.path_regressors import PathTask
 from hysgen.fitting.refine import Progress, free_run_error, refine
 from hysgen.fitting.settings import FitSettings
 from hysgen.machine.threads import one_blas_thread
@@ -103,6 +104,7 @@ def path_task(record: Record, settings: FitSettings, whole: Record | None = None
         terms=settings.terms,
         lags_s=tuple(lags_s),
         size=settings.memory or CURVE,
+        past=settings.past,
         name=settings.name,
     )
 
@@ -111,10 +113,15 @@ def path_task(record: Record, settings: FitSettings, whole: Record | None = None
 def fit_path(problem: PathColumns, settings: FitSettings, trust: Trust) -> Model:
     """Fit a physical path and the rules behind it: `path_model`, then the rules by the free-run error.
 
-    The rules are refined from one lag on. They stay that lag unless refined rules have a smaller error on blocks of
-    rows that were left out. Raises FitError, ModelError or RecordError with one line.
+    The rules are refined from one lag on, without what the motion before the record adds. They stay that lag unless
+    refined rules have a smaller error on blocks of rows that were left out. Raises FitError, ModelError or RecordError
+    with one line.
     """
-    record, model = problem.task.record, path_model(problem, trust)
+    whole = problem.task.record
+    model, crept_um = path_model(problem, trust)
+    segments = zip(whole.segments, crept_um, strict=True)
+    rested = [dataclasses.replace(segment, y_um=segment.y_um - past_um) for segment, past_um in segments]
+    record = Record.from_segments(rested, whole.Ts_s, whole.source)
     outcome: dict[str, object] = {"rules": "one lag"}
     if settings.method == "refined":
         weight = np.concatenate(list(trust))
@@ -128,7 +135,7 @@ def fit_path(problem: PathColumns, settings: FitSettings, trust: Trust) -> Model
             model = _refined_rules(record, settings, model, trust)
             outcome = {"rules": "refined"}
         outcome["left_out_rms_um"] = {"one_lag": before, "refined": after}
-    return _with_history(model, record, settings, outcome)
+    return _with_history(model, whole, settings, outcome)
 
 
 def _refined_rules(record: Record, settings: FitSettings, start: Model, trust: Trust) -> Model:

@@ -28,17 +28,22 @@ from hysgen.errors import FitError
 from hysgen.fitting.certified import HalfSpaces, least_distance
 from hysgen.fitting.least_squares import windows
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
-from hysgen.machine.kernels.operators import lag_of_signals
+from hysgen.fitting.path_regressors import (
+    HeldWindow,
+    PathTask,
+    all_lagged,
+    crept,
+    held_windows,
+    lagged,
+    looped_um,
+    passed_V,
+)
 from hysgen.machine.reproducible import exp
-from hysgen.model.disturbances import Drive, Term
-from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid, Model
-from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
-from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
-from hysgen.record import Record, Segment
+from hysgen.record import Record
 from hysgen.record.series import first_covering
 
 Floats = NDArray[np.float64]
@@ -69,28 +74,6 @@ LATEST_COVERED = 0.3
 RELAXATIONS = (0.008, 0.0625)
 """Range in which the relaxation is searched: barriers of 45 to 150 kT with 1e3 to 1e6 attempts a sample have 0.01 to
 0.05."""
-
-CREPT = (1 / 30, 1 / 8)
-"""Time constants of the creep that the motion before a record has caused, as shares of its length."""
-
-
-@dataclass(frozen=True, eq=False)
-class PathTask:
-    """What a path is fitted to.
-
-    blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; modes bring their own.
-    whole: record of all commands that are known in advance; the grid covers the response to them.
-    """
-
-    record: Record
-    whole: Record
-    grid: Grid
-    input_range_V: tuple[float, float]
-    blocks: tuple[InputBlock, ...]
-    terms: tuple[Term, ...]
-    lags_s: tuple[float, ...]
-    size: PathSize
-    name: str = "stage"
 
 
 def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
@@ -139,9 +122,9 @@ def path_columns(task: PathTask, trust: Trust) -> PathColumns:
     if task.size.relaxation == SEARCHED:
         task = _relaxing(task, _searched_relaxation(problem, kept))
         problem = dataclasses.replace(problem, task=task)
-    held = _held(task)
+    held = held_windows(task)
     lag_s = _lag(problem, kept, held)
-    return dataclasses.replace(problem, lag_s=lag_s, columns=_all_lagged(task, held, lag_s))
+    return dataclasses.replace(problem, lag_s=lag_s, columns=all_lagged(task, held, lag_s))
 
 
 def _relaxing(task: PathTask, relaxation: float) -> PathTask:
@@ -149,18 +132,7 @@ def _relaxing(task: PathTask, relaxation: float) -> PathTask:
     return dataclasses.replace(task, size=dataclasses.replace(task.size, relaxation=relaxation))
 
 
-def _held(task: PathTask) -> list[_Held]:
-    """The columns of `_behind` on every window of the record."""
-    held = []
-    for segment in task.record.segments:
-        behind = _behind(task, segment)
-        share = np.arange(segment.samples) / segment.samples
-        for at in windows(segment.samples, task.record.samples):
-            held.append(_Held(behind[0][:, at].copy(), behind[1][:, at].copy(), share[at]))
-    return held
-
-
-def _lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
+def _lag(problem: PathColumns, kept: _Kept, held: Sequence[HeldWindow]) -> float:
     modes = next((block for block in problem.task.blocks if isinstance(block, Modes)), None)
     return _searched_lag(problem, kept, held) if modes is None else modes.lag_s
 
@@ -175,45 +147,48 @@ def _searched_relaxation(problem: PathColumns, kept: _Kept) -> float:
     log_found = 0.5 * (low + high)
     for _ in range(2):
         held = _relaxing(problem.task, float(np.exp(log_found)))
-        lag_s = _lag(dataclasses.replace(problem, task=held), kept, _held(held))
+        lag_s = _lag(dataclasses.replace(problem, task=held), kept, held_windows(held))
 
         def error(log_relaxation: float, lag_s: float = lag_s) -> float:
             task = _relaxing(problem.task, float(np.exp(log_relaxation)))
-            return _error(dataclasses.replace(problem, task=task), kept.fewer, _held(task), lag_s)
+            return _error(dataclasses.replace(problem, task=task), kept.fewer, held_windows(task), lag_s)
 
         best = minimize_scalar(error, bounds=(low, high), method="bounded", options={"xatol": 0.03})
         log_found = float(best.x)
     return float(np.exp(log_found))
 
 
-def _error(problem: PathColumns, kept: _Kept, held: Sequence[_Held], lag_s: float) -> float:
+def _error(problem: PathColumns, kept: _Kept, held: Sequence[HeldWindow], lag_s: float) -> float:
     """||A x - b||^2 of the least-squares solution x without constraints, less the constant ||b||^2."""
     places = np.searchsorted(problem.rows, kept.rows)
-    ends = np.cumsum([0, *(len(one.share) for one in held)])
+    ends = np.cumsum([0, *(one.extra.shape[1] for one in held)])
     of_window = np.split(places, np.searchsorted(places, ends[1:-1]))
     columns = np.hstack(
-        [_lagged(problem.task, one, lag_s, at - first) for one, at, first in zip(held, of_window, ends, strict=False)]
+        [lagged(problem.task, one, lag_s, at - first) for one, at, first in zip(held, of_window, ends, strict=False)]
     )
     A, b, _ = _scaled(columns, kept, problem.task.size)
     d = np.asarray(np.linalg.qr(np.column_stack([A, b]), mode="r"))[:-1, -1]
     return -float(d @ d)
 
 
-def path_model(problem: PathColumns, trust: Trust) -> Model:
-    """The model with the path of least error whose rules are one lag.
+def path_model(problem: PathColumns, trust: Trust) -> tuple[Model, list[Floats]]:
+    """The model with the path of least error whose rules are one lag, and what the motion before the record adds.
 
-    trust: weight of each sample, by segment. Raises FitError if no rising hysteresis is found.
+    trust: weight of each sample, by segment. The second, (n,) in um of each segment, is no part of the model: it is
+    known of this record alone. Raises FitError if no rising hysteresis is found.
     """
     task, lag_s = problem.task, problem.lag_s
     kept = _Kept.of(problem, trust)
-    operator = task.size.operator(*_passed_V(task))
+    operator = task.size.operator(*passed_V(task))
     weights = _solved(task, operator, problem.of(kept.rows), kept)
     size = operator.size
     a_left = 1.0 - exp(-task.record.Ts_s / lag_s)
+    # What is left of the past at the end cannot be told from the sensor's zero: the model goes on from there.
+    crept_um = [weights[:size] @ crept(task, segment) for segment in task.record.segments]
+    left_um = float(crept_um[-1][-1])
     dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
-    block = operator.block(weights[:size], float(weights[size]) / dc)
+    block = operator.block(weights[:size], (float(weights[size]) + left_um) / dc)
     parts = tuple(dataclasses.replace(part, lag_s=lag_s) if isinstance(part, Modes) else part for part in task.blocks)
-    theta = weights[size + 1 : size + 1 + sum(term.size for term in task.terms)]
     model = Model(
         name=task.name,
         Ts_s=task.record.Ts_s,
@@ -222,11 +197,11 @@ def path_model(problem: PathColumns, trust: Trust) -> Model:
         u_min_V=task.input_range_V[0],
         u_max_V=task.input_range_V[1],
         terms=task.terms,
-        weights=np.asarray(theta),
+        weights=np.asarray(weights[size + 1 :]),
         blocks=tuple(sorted((*parts, block), key=lambda part: part.place)),
         quantities=task.record.quantities,
     )
-    return dataclasses.replace(model, grid=_covering(model, task.whole))
+    return dataclasses.replace(model, grid=_covering(model, task.whole)), [crept - left_um for crept in crept_um]
 
 
 def _covering(model: Model, whole: Record) -> Grid:
@@ -256,7 +231,7 @@ class _Kept:
         rows = known[weight[known] > 0.0]
         if rows.size > MOST_ROWS:
             rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
-        y_um = np.concatenate([segment.y_um - _looped_um(task, segment) for segment in task.record.segments])
+        y_um = np.concatenate([segment.y_um - looped_um(task, segment) for segment in task.record.segments])
         return cls(rows, np.sqrt(weight[rows]), y_um[rows])
 
     @property
@@ -265,81 +240,7 @@ class _Kept:
         return _Kept(self.rows[::4], self.weight[::4], self.y_um[::4])
 
 
-def _passed_V(task: PathTask) -> tuple[float, float]:
-    """Range of the voltage behind limits, slew and delay."""
-    passed = Interval(*task.input_range_V)
-    for block in task.blocks:
-        if not block.responds:
-            passed = block.image(passed)
-    return passed.low, passed.high
-
-
-def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
-    """(size, n) columns of h behind creep and modes, and (q, n) columns of offset, terms and past creep."""
-    Ts_s = task.record.Ts_s
-    u_V = np.clip(segment.u_V, *task.input_range_V)
-    for block in task.blocks:
-        if not block.responds:
-            u_V = block.apply(u_V, Ts_s)
-    columns = task.size.operator(*_passed_V(task)).columns(u_V)
-    for block in _linear(task):
-        for column in columns:
-            column[:] = block.apply(column, Ts_s)
-    drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
-    extra = [np.ones(segment.samples)]
-    extra += [column for term in task.terms for column in term.regressors(drive).T]
-    return columns, np.stack(extra)
-
-
-def _linear(task: PathTask) -> list[InputBlock]:
-    """The responses through which the columns of h pass one by one."""
-    return [block for block in task.blocks if block.responds and not isinstance(block, Loop)]
-
-
-def _looped_um(task: PathTask, segment: Segment) -> Floats | float:
-    """(n,) what the states in the loop of a mode add to the displacement, at the gain of their identification."""
-    loop, Ts_s = next((block for block in task.blocks if isinstance(block, Loop)), None), task.record.Ts_s
-    if loop is None:
-        return 0.0
-    u_V = np.clip(segment.u_V, *task.input_range_V)
-    for block in (*(block for block in task.blocks if not block.responds), *_linear(task)):
-        u_V = block.apply(u_V, Ts_s)
-    rate = 1.0 - exp(-Ts_s / loop.lag_s)
-    return loop.moved(loop.gain * lag_of_signals(u_V[None], rate, np.arange(u_V.size))[0], Ts_s)[:, 0]
-
-
-@dataclass(frozen=True, eq=False)
-class _Held:
-    """Columns of `_behind` on a window, and (n,) the share of the segment before each sample."""
-
-    columns: Floats
-    extra: Floats
-    share: Floats
-
-
-def _lagged(task: PathTask, held: _Held, lag_s: float, rows: Rows) -> Floats:
-    """(p, r) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample; then creep.
-
-    rows: (r,) rising, of the window.
-    """
-    Ts_s, extra = task.record.Ts_s, held.extra
-    rate = 1.0 - exp(-Ts_s / lag_s)
-    out = [
-        lag_of_signals(held.columns, rate, rows),
-        extra[:1, rows],
-        lag_of_signals(extra[1:], rate, rows) / rate,
-    ]
-    if any(isinstance(block, Creep) for block in task.blocks):
-        out += [np.stack([np.exp(-held.share[rows] / share) for share in CREPT])]
-    return np.vstack(out)
-
-
-def _all_lagged(task: PathTask, held: Sequence[_Held], lag_s: float) -> Floats:
-    """(p, m) `_lagged` of all rows of all windows."""
-    return np.hstack([_lagged(task, one, lag_s, np.arange(len(one.share))) for one in held])
-
-
-def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[_Held]) -> float:
+def _searched_lag(problem: PathColumns, kept: _Kept, held: Sequence[HeldWindow]) -> float:
     """The lag of least error without constraints, between a fifth and five times the best of the task's."""
     task = problem.task
 

@@ -32,6 +32,8 @@ class FitSettings:
     terms: additive terms, fitted together with the rules. blocks: blocks of the path between command and rules, without
     the hysteresis. memory: size of the hysteresis of the path. With it, or with a block that responds (creep, modes), a
     path is fitted, behind which the rules start as one lag (`fitting.path`).
+    past: voltage in V at which the stage rested before a segment, and how long before its first row in s it left that
+    level; None: it rested where the segment starts. What creep goes on adding is not the model's.
     lag_s: time constant from which this lag is searched; None: the best of several.
     settle: burn-in, the samples at the start of each segment that are simulated but not scored in the refinement,
     because the state of the terms before the record is unknown; None: samples have a reduced weight until the terms no
@@ -54,6 +56,7 @@ class FitSettings:
     terms: tuple[Term, ...] = ()
     blocks: tuple[InputBlock, ...] = ()
     memory: PathSize | None = None
+    past: tuple[float, float] | None = None
     lag_s: float | None = None
     settle: int | None = None
     certified: bool = True

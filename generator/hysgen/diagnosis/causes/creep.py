@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -147,19 +146,8 @@ class CreepCause(Cause):
     def extension(self, residual: Residual) -> Extension:
         _, fit = whitened_fit(residual.scene, residual.fit)
         part = fit.chain.of(CreepPart)
-        return Extension(block=part.slow_states(residual.scene.span_s, PER_DECADE), lag_s=fit.chain.lag_s)
-
-    def forms(self, extension: Extension) -> list[Extension]:
-        """The block without its slowest two states, one state, or none.
-
-        After rest a stage creeps on beyond the record; after an unknown movement the slowest states start with a wrong
-        value, which costs more than they gain.
-        """
-        assert isinstance(extension.block, Creep)
-        tau_s = extension.block.tau_s
-        counts = [count for count in (len(tau_s) - 2, len(tau_s) - 1, len(tau_s)) if count > 0]
-        blocks = [dataclasses.replace(extension.block, tau_s=tau_s[:count]) for count in counts]
-        return [dataclasses.replace(extension, block=block) for block in blocks]
+        block = part.slow_states(residual.scene.span_s, PER_DECADE)
+        return Extension(block=block, past=part.past, lag_s=fit.chain.lag_s)
 
 
 CAUSE = CreepCause()

@@ -1,0 +1,143 @@
+"""The regressors of a path: what its hysteresis, offset and terms add to the displacement, for each coefficient.
+
+    u -> limits, slew, delay -> columns of h -> creep, modes -> lag
+
+A long record is held in windows; the lag, which is searched, is applied to them last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hysgen.fitting.least_squares import windows
+from hysgen.fitting.operator import PathSize
+from hysgen.machine.kernels.operators import lag_of_signals
+from hysgen.machine.reproducible import exp
+from hysgen.model.disturbances import Drive, Term
+from hysgen.model.intervals import Interval
+from hysgen.model.model import Grid
+from hysgen.model.path import InputBlock
+from hysgen.model.path.creep import Creep
+from hysgen.model.path.loop import Loop
+from hysgen.record import Record, Segment
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class PathTask:
+    """What a path is fitted to.
+
+    blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; modes bring their own.
+    past: as of `FitSettings`.
+    whole: record of all commands that are known in advance; the grid covers the response to them.
+    """
+
+    record: Record
+    whole: Record
+    grid: Grid
+    input_range_V: tuple[float, float]
+    blocks: tuple[InputBlock, ...]
+    terms: tuple[Term, ...]
+    lags_s: tuple[float, ...]
+    size: PathSize
+    past: tuple[float, float] | None = None
+    name: str = "stage"
+
+
+@dataclass(frozen=True, eq=False)
+class HeldWindow:
+    """Columns of `_behind` on a window, with those of `crept`."""
+
+    columns: Floats
+    extra: Floats
+
+
+def held_windows(task: PathTask) -> list[HeldWindow]:
+    """The columns of `_behind` on every window of the record."""
+    held = []
+    for segment in task.record.segments:
+        columns, extra = _behind(task, segment)
+        columns += crept(task, segment)
+        for at in windows(segment.samples, task.record.samples):
+            held.append(HeldWindow(columns[:, at].copy(), extra[:, at].copy()))
+    return held
+
+
+def crept(task: PathTask, segment: Segment) -> Floats:
+    """(size, n) what creep adds to the columns of h, from the level before the segment: none for a stage at rest.
+
+    amount (h(past_V) - h(0)) sum_i exp(-(past_s + t) / tau_i)
+    """
+    operator = task.size.operator(*passed_V(task))
+    creep = next((block for block in task.blocks if isinstance(block, Creep)), None)
+    if task.past is None or creep is None:
+        return np.zeros((operator.size, segment.samples))
+    past_V, past_s = task.past
+    moved = operator.at(past_V) - operator.columns(np.clip(segment.u_V[:1], *task.input_range_V))[:, 0]
+    t_s = past_s + task.record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+    return np.asarray(np.multiply.outer(moved, creep.amount * np.sum(creep.free_responses(t_s), axis=0)))
+
+
+def passed_V(task: PathTask) -> tuple[float, float]:
+    """Range of the voltage behind limits, slew and delay."""
+    passed = Interval(*task.input_range_V)
+    for block in task.blocks:
+        if not block.responds:
+            passed = block.image(passed)
+    return passed.low, passed.high
+
+
+def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
+    """(size, n) columns of h behind creep and modes, and (q, n) columns of offset and terms."""
+    Ts_s = task.record.Ts_s
+    u_V = np.clip(segment.u_V, *task.input_range_V)
+    for block in task.blocks:
+        if not block.responds:
+            u_V = block.apply(u_V, Ts_s)
+    columns = task.size.operator(*passed_V(task)).columns(u_V)
+    for block in _linear(task):
+        for column in columns:
+            column[:] = block.apply(column, Ts_s)
+    drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+    extra = [np.ones(segment.samples)]
+    extra += [column for term in task.terms for column in term.regressors(drive).T]
+    return columns, np.stack(extra)
+
+
+def _linear(task: PathTask) -> list[InputBlock]:
+    """The responses through which the columns of h pass one by one."""
+    return [block for block in task.blocks if block.responds and not isinstance(block, Loop)]
+
+
+def looped_um(task: PathTask, segment: Segment) -> Floats | float:
+    """(n,) what the states in the loop of a mode add to the displacement, at the gain of their identification."""
+    loop, Ts_s = next((block for block in task.blocks if isinstance(block, Loop)), None), task.record.Ts_s
+    if loop is None:
+        return 0.0
+    u_V = np.clip(segment.u_V, *task.input_range_V)
+    for block in (*(block for block in task.blocks if not block.responds), *_linear(task)):
+        u_V = block.apply(u_V, Ts_s)
+    rate = 1.0 - exp(-Ts_s / loop.lag_s)
+    return loop.moved(loop.gain * lag_of_signals(u_V[None], rate, np.arange(u_V.size))[0], Ts_s)[:, 0]
+
+
+def lagged(task: PathTask, held: HeldWindow, lag_s: float, rows: Rows) -> Floats:
+    """(p, r) responses of the lag: to h with the static gain 1, to terms with the gain 1 in one sample.
+
+    rows: (r,) rising, of the window.
+    """
+    Ts_s, extra = task.record.Ts_s, held.extra
+    rate = 1.0 - exp(-Ts_s / lag_s)
+    h, terms = lag_of_signals(held.columns, rate, rows), lag_of_signals(extra[1:], rate, rows) / rate
+    return np.vstack([h, extra[:1, rows], terms])
+
+
+def all_lagged(task: PathTask, held: Sequence[HeldWindow], lag_s: float) -> Floats:
+    """(p, m) `lagged` of all rows of all windows."""
+    return np.hstack([lagged(task, one, lag_s, np.arange(one.extra.shape[1])) for one in held])
