@@ -136,7 +136,7 @@ def mutants(text: str, count: int) -> list[tuple[str, str]]:
     return changed[:: max(1, len(changed) // count)]
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_no_fault_that_samples_show_is_proved_equal_and_most_faults_are_seen() -> None:
     """Faults of the C, each judged twice: by samples of the compiled code, and by the proof."""
     model, texts = generated(2)

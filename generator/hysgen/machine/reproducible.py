@@ -56,6 +56,7 @@ def exp(x: float) -> float:
     return float(Context(prec=DIGITS).exp(Decimal(x)))
 
 
+@functools.lru_cache(1024)
 def expm1(x: float) -> float:
     """exp(x) - 1 of one number above 1e-20 in magnitude, or 0, correctly rounded."""
     with localcontext(Context(prec=DIGITS)):

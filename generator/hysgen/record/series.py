@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Literal
 
@@ -48,7 +47,8 @@ def plateaus(u_V: Floats, shortest: int = SHORTEST_PLATEAU, tolerance_V: float =
     """[begin, end) of each part of u, (n,), of at least `shortest` samples whose steps are at most `tolerance_V`."""
     moves = np.flatnonzero(np.abs(np.diff(u_V)) > tolerance_V) + 1
     edges = np.concatenate([[0], moves, [len(u_V)]])
-    return [(int(a), int(b)) for a, b in itertools.pairwise(edges) if b - a >= shortest]
+    lasting = np.flatnonzero(np.diff(edges) >= shortest)
+    return list(zip(edges[lasting].tolist(), edges[lasting + 1].tolist(), strict=True))
 
 
 def turning_rows(u_V: Floats, band_V: float) -> NDArray[np.intp]:

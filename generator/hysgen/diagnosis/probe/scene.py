@@ -152,9 +152,9 @@ class Scene:
         out = np.empty((size + self._added_size(chain), self.samples))
         out[size:] = self.added_columns(chain)
         first = 0
-        for run, h in zip(self.runs, self.hysteresis(chain), strict=True):
+        for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
             self._respond_into(out[:size], first, run, h, chain)
-            self._fade(out[:size, first : first + len(run.u_V)], run, chain, h[:, 0])
+            self._fade(out[:size, first : first + len(run.u_V)], i, chain, h[:, 0])
             self._age(out[:size, first : first + len(run.u_V)], run.time_s(self.Ts_s), chain)
             first += len(run.u_V)
         return out
@@ -171,7 +171,7 @@ class Scene:
         for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
             here, inside = self._rows_of(i)
             out[:size, here] = respond_on_rows(h, chain, self.Ts_s, inside)
-            self._fade(out[:size, here], run, chain, h[:, 0], inside)
+            self._fade(out[:size, here], i, chain, h[:, 0], inside)
             self._age(out[:size, here], run.time_s(self.Ts_s, inside), chain)
             out[size, here] = 1.0
             for row, column in zip(out[size + 1 :, here], self._added_on_rows(i, inside, chain), strict=True):
@@ -217,25 +217,31 @@ class Scene:
     def _fade(
         self,
         seen: Floats,
-        run: Trace,
+        i: int,
         chain: Chain,
         start: Floats,
         samples: Rows | None = None,
         weights: Floats | None = None,
     ) -> None:
-        """Adds what the slow states hold of the level before the segment to `seen`, (m, n), in place.
+        """Adds what the slow states hold of the level before the segment of run i to `seen`, (m, n), in place.
 
         amount (h(past) - h(0)) sum_i exp(-(since + t) / tau_i)       start: h(0), (m,)
         """
+        run = self.runs[i]
         slow = None if chain.past is None else chain.slow_states(run.whole * self.Ts_s)
         if chain.past is None or slow is None:
             return
         past_V, since_s = chain.past
         level = self._operator(chain).at(past_V)
         moved = (level if weights is None else weights @ level) - start
-        t_s = since_s + run.time_s(self.Ts_s, samples)
-        course = sum(np.exp(rate * t_s) for rate in np.log1p(-slow.rates(self.Ts_s)) / self.Ts_s)
-        seen += np.multiply.outer(moved, slow.amount * course)
+
+        def course() -> list[Floats]:
+            t_s = since_s + run.time_s(self.Ts_s, samples)
+            return [np.sum([np.exp(rate * t_s) for rate in np.log1p(-slow.rates(self.Ts_s)) / self.Ts_s], axis=0)]
+
+        cache = self._parts if samples is None else self._on_rows
+        (fading,) = cache.get((i, "past", slow, since_s), course)
+        seen += np.multiply.outer(moved, slow.amount * fading)
 
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain, from rest, to `paths` (`Scene.paths`), (n_i,) for each run."""
@@ -264,8 +270,8 @@ class Scene:
         """(n,) the prediction: response of the linear part of the chain to `paths`, and the added columns."""
         size = self.hysteresis_size(chain)
         parts = self.responses(paths, chain)
-        for run, path, part in zip(self.runs, paths, parts, strict=True):
-            self._fade(part[None], run, chain, path[:1], weights=weights[:size])
+        for i, (run, path, part) in enumerate(zip(self.runs, paths, parts, strict=True)):
+            self._fade(part[None], i, chain, path[:1], weights=weights[:size])
             self._age(part, run.time_s(self.Ts_s), chain, weights[:size])
         return np.concatenate(parts) + weights[size:] @ self.added_columns(chain)
 
@@ -278,7 +284,7 @@ class Scene:
         for i, (run, path) in enumerate(zip(self.runs, paths, strict=True)):
             here, inside = self._rows_of(i)
             part = respond_on_rows(path[None], chain, self.Ts_s, inside)[0]
-            self._fade(part[None], run, chain, path[:1], inside, weights[:size])
+            self._fade(part[None], i, chain, path[:1], inside, weights[:size])
             self._age(part, run.time_s(self.Ts_s, inside), chain, weights[:size])
             out[here] += part
             for weight, column in zip(weights[size + 1 :], self._added_on_rows(i, inside, chain), strict=True):
