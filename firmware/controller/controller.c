@@ -50,6 +50,8 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     self->held = 0u;
     self->top_um = 0.0f;
     self->top_model_um = 0.0f;
+    self->above_um = 0.0f;
+    self->below_um = 0.0f;
     self->offset_um = 0.0f;
     self->hold_mean = 1u;
     self->hold_share = 1.0f;
@@ -225,9 +227,19 @@ static void controller_take_over(controller_t *self)
         self->expected_um[i] = self->reference_um;
     }
     self->oldest = 0u;
+    hysgen_watchdog_judge(&self->watchdog, self->settings, 0.5f * (self->above_um - self->below_um));
     model_learn_init(&self->learner, &self->model);
     self->model.status = 0u;  /* of the way here: LOOP may begin below the model's range */
     self->state = CONTROLLER_APPROACH;
+}
+
+/* On the way back of LOOP and in HOLD: how far the model's error goes either way. */
+static void controller_compare(controller_t *self)
+{
+    const float beyond_um = self->watchdog.reading_um - self->model.y_um;
+
+    self->above_um = (beyond_um > self->above_um) ? beyond_um : self->above_um;
+    self->below_um = (beyond_um < self->below_um) ? beyond_um : self->below_um;
 }
 
 /* Voltage of LOOP; the model follows by simulation. At the end the strokes of stage and model are compared. */
@@ -243,6 +255,8 @@ static float controller_loop(controller_t *self)
             self->upward = 0u;
             self->top_um = self->watchdog.reading_um;
             self->top_model_um = self->model.y_um;
+            self->above_um = self->top_um - self->top_model_um;
+            self->below_um = self->above_um;
         } else {
             const float stroke_um = self->top_um - self->watchdog.reading_um;
             const float model_um = self->top_model_um - self->model.y_um;
@@ -252,6 +266,9 @@ static float controller_loop(controller_t *self)
             }
             self->state = CONTROLLER_HOLD;
         }
+    }
+    if (self->upward == 0u) {
+        controller_compare(self);
     }
     (void)model_simulate(&self->model, u_V);
     return u_V;
@@ -322,6 +339,7 @@ static float controller_voltage(controller_t *self, float reference_um)
         if (settings->hold_samples - self->held <= self->hold_mean) {
             self->held_um += self->watchdog.reading_um - self->model.y_um;
         }
+        controller_compare(self);
         (void)model_simulate(&self->model, u_V);
         self->held += 1u;
         if (self->held >= settings->hold_samples) {
@@ -458,8 +476,12 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     return self->output_V;
 }
 
+/* A commit reads and writes parameters, their age and its candidate only. A sample that comes inside a commit is handed on as a reading
+ * that is none: the learner rejects it before it touches these, but its path and its terms go on with the stage. */
 void hysgen_controller_learn(controller_t *self)
 {
+    float sample_um = self->watchdog.sample_um;
+
     if ((self->begun != 0u) && ((self->settings->options & SETTINGS_LEARN) != 0u)) {
         self->start_um = model_simulate(&self->witness, self->output_V);
     }
@@ -467,11 +489,11 @@ void hysgen_controller_learn(controller_t *self)
         return;
     }
     self->learns = 0u;
-    if (self->committing == 0u) {
-        model_learn(&self->learner, self->watchdog.sample_um - self->offset_um, self->output_V);
-    } else {
+    if (self->committing != 0u) {
         self->status |= STATUS_LEARN_SKIPPED;
+        sample_um = number_of(NUMBER_NAN);
     }
+    model_learn(&self->learner, sample_um - self->offset_um, self->output_V);
 }
 
 void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since)

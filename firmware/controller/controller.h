@@ -73,6 +73,8 @@ typedef struct {
     uint32_t held;           /* samples in HOLD */
     float top_um;            /* LOOP: reading at its highest voltage, */
     float top_model_um;      /* and displacement of the model there */
+    float above_um;          /* on the way back of LOOP and in HOLD: largest displacement of the stage beyond the model's, */
+    float below_um;          /* and smallest; half their difference is the model's own error */
     float offset_um;         /* displacement of the stage beyond the model's, its mean over the end of HOLD */
     uint32_t hold_mean;      /* samples of that mean: the largest power of two up to hold_samples */
     float hold_share;        /* 1 / hold_mean */

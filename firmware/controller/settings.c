@@ -46,7 +46,7 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "offset_um", s->offset_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
         { "stuck_V", s->stuck_V, least, MODEL_U_MAX_V - MODEL_U_MIN_V },
-        { "follow_um", s->follow_um, least, range_um },
+        { "follow_um", s->follow_um, 0.0f, range_um },
         { "trim_integral", s->trim_integral, 0.0f, SETTINGS_TRIM_INTEGRAL },
         { "trim_limit_um", s->trim_limit_um, 0.0f, 0.5f * range_um },
     };

@@ -40,7 +40,8 @@ typedef struct {
     /* Watchdog. Readings outside BOARD_LOW_UM .. BOARD_HIGH_UM are no displacements. */
     float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit */
     /* |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
-     * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. */
+     * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. 0: 2 % of the
+     * model's range and 4 times the error that START found on the way back of LOOP and in HOLD, 16 % at most. */
     float follow_um;
     uint32_t follow_samples;   /* and for how many samples (leaky count, see watchdog.h) */
     uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */

@@ -5,7 +5,8 @@
 #include "number.h"
 #include "status.h"
 
-#define WATCHDOG_JUMP_UM (WATCHDOG_JUMP_SHARE * (MODEL_Y_MAX_UM - MODEL_Y_MIN_UM))
+#define WATCHDOG_RANGE_UM (MODEL_Y_MAX_UM - MODEL_Y_MIN_UM)
+#define WATCHDOG_JUMP_UM  (WATCHDOG_JUMP_SHARE * WATCHDOG_RANGE_UM)
 
 /* Counts a sample; returns 1 once the count has reached `most`. */
 static uint32_t watchdog_count(watchdog_count_t *count, uint32_t bad, uint32_t most)
@@ -38,6 +39,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
     watchdog_restart(&self->unread);
     self->same_V = settings->off_V;
     self->same = 0u;
+    self->follow_um = settings->follow_um;
     watchdog_restart(&self->astray);
     watchdog_restart(&self->limits);
     watchdog_restart(&self->failed);
@@ -73,10 +75,19 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
     return status;
 }
 
+void hysgen_watchdog_judge(watchdog_t *self, const settings_t *settings, float error_um)
+{
+    const float least_um = WATCHDOG_FOLLOW_SHARE * WATCHDOG_RANGE_UM;
+    const float judged_um = least_um + WATCHDOG_FOLLOW_ERRORS * error_um;
+
+    self->follow_um = (settings->follow_um > 0.0f)
+        ? settings->follow_um : number_limited(judged_um, least_um, WATCHDOG_FOLLOW_MOST * WATCHDOG_RANGE_UM);
+}
+
 /* [S5] */
 uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um)
 {
-    const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > settings->follow_um);
+    const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > self->follow_um);
 
     return (watchdog_count(&self->astray, far, settings->follow_samples) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
 }

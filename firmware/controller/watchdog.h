@@ -21,6 +21,12 @@
  * good one that the next reading confirms is taken: the stage is there. */
 #define WATCHDOG_JUMP_SHARE 0.125f
 
+/* Reading and model of START may differ by this share of the model's range, creep and drift behind START among them, and by so many times
+ * the error that the model had at START, at the slow ramp: the reference may move faster, up to 4 times without a reason to trip. */
+#define WATCHDOG_FOLLOW_SHARE  0.02f
+#define WATCHDOG_FOLLOW_ERRORS 4.0f
+#define WATCHDOG_FOLLOW_MOST   0.16f  /* of the range: with a model that is worse the guard still acts */
+
 /* Bad samples of the amplifier's failure until it counts: 60 us of a broken wire, not a spike on it. */
 #define WATCHDOG_DEBOUNCE 3u
 
@@ -36,6 +42,7 @@ typedef struct {
     watchdog_count_t unread; /* readings that were none */
     float same_V;            /* input when the reading last changed, */
     uint32_t same;           /* and samples since then */
+    float follow_um;         /* largest difference of reading and model, see hysgen_watchdog_judge */
     watchdog_count_t astray; /* samples in which the stage did not follow */
     watchdog_count_t limits; /* samples with the amplifier at its limit */
     watchdog_count_t failed; /* samples with the amplifier failed */
@@ -47,6 +54,10 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings);
 /* A reading [um] that came while the input was u_V. self->reading_um is the reading that control uses, the last good one
  * where this one is none; self->sample_um is NaN there, so that a learner rejects the sample. Returns STATUS_ bits. */
 uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
+
+/* From here on the stage follows a model whose own error is error_um: within follow_um of the settings, or, where that is 0, within what
+ * the error says. */
+void hysgen_watchdog_judge(watchdog_t *self, const settings_t *settings, float error_um);
 
 /* The reading against what the model expected of this sample. Returns STATUS_ bits. */
 uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um);

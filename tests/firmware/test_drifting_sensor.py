@@ -14,7 +14,7 @@ from hysgen.firmware.host import FirmwareStatus, HostFirmware, Settings, State
 from hysgen.model.path import preview
 from hysgen_lab.firmware.reference_models import extended
 
-FOLLOW_UM, WRONG_UM = 0.08, 0.1
+WRONG_UM = 0.1
 RATE_HZ = 50_000
 TOLD_WITHIN = 0.35
 """Share of the drift after which each must have been told: 0.08 um are 3 % of the range, and drift reaches 50 %."""
@@ -70,7 +70,7 @@ CASES = [
 def test_a_drifting_sensor_is_told_before_the_stage_is_a_tenth_of_a_micrometre_wrong(
     name: str, sensor: str, seconds: float
 ) -> None:
-    settings = Settings(trim=True, learn=True, follow_um=FOLLOW_UM)
+    settings = Settings(trim=True, learn=True)
     firmware, wrong_um = drifted(name, settings, SENSORS[sensor], seconds)
     assert FirmwareStatus.FAULT_FOLLOW in firmware.status
     assert wrong_um < WRONG_UM

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import model, on_itself, sine
+from fixtures.firmware_bench import REFERENCE_UM, ModelStage, extended_image, model, on_itself, sine
 from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Settings, State
+from hysgen_lab.firmware.reference_models import extended
 
 LEARNING = Settings(learn=True, commit_pause=2000)
 
@@ -38,6 +39,24 @@ def test_readings_that_are_none_reach_the_learner_as_none(value: float) -> None:
     assert firmware.firmware.commits > 0
     # The readings' noise is 0.1 nm; with the last good reading in place of a bad one the change is 0.8 nm.
     assert wrong_nm(firmware) < 0.1
+
+
+def test_a_sample_inside_a_commit_teaches_nothing_and_the_learners_path_goes_on_with_the_stage() -> None:
+    """The same readings with and without a commit under way for 100 samples; pauses between commits outlast the test."""
+    states = []
+    for committing in (0, 1):
+        firmware = HostFirmware(extended_image(), ModelStage(extended()), Settings(learn=True))
+        firmware.start(REFERENCE_UM)
+        controller = firmware.firmware.controller
+        firmware.run(sine(500))
+        updates, controller.committing = controller.learner.updates, committing
+        firmware.run(sine(100))
+        ffi = firmware.image.library.ffi
+        path = bytes(ffi.buffer(ffi.addressof(controller.learner, "inputs")))
+        states.append((path, controller.learner.u_V, controller.learner.mean_u_V))
+        assert (controller.learner.fresh, controller.learner.updates == updates) == (not committing, bool(committing))
+    assert states[0] == states[1]
+    assert FirmwareStatus.LEARN_SKIPPED in firmware.status
 
 
 def test_the_voltage_is_put_out_before_the_learner_runs() -> None:

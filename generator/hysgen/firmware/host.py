@@ -150,7 +150,7 @@ class Settings:
     state_samples: int = 250_000
     reference_step_um: float = 0.02
     stuck_V: float = 0.5
-    follow_um: float = 0.5
+    follow_um: float = 0.0
     follow_samples: int = 50
     bad_samples: int = 8
     trim_integral: float = 0.004

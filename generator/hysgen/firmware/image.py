@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import structure_digest
+from hysgen.firmware.binding import structure_digest, unphased
 from hysgen.float32.coefficients import Bank, coefficients
 from hysgen.float32.learner_words import COMMIT_MEANINGS, Commit
 from hysgen.model.model import Model
@@ -126,7 +126,7 @@ def encode(model: Model, label: Label = Label(), key: bytes = NO_KEY) -> bytes:
 
     Raises ModelError for more rules than the learner, and so the firmware, supports.
     """
-    numbers = coefficients(model)
+    numbers = coefficients(unphased(model))
     if numbers.windowed:
         raise ModelError(f"{model.name}: {numbers.rules} rules; the firmware drives models of up to 12, fit with fewer")
     return pack(ParameterImage(structure_digest(model), numbers.bank, label), key)

@@ -138,7 +138,7 @@ static uint32_t broken_tracking(fuzz_t *self)
     uint32_t far;
 
     self->tracked += judged;
-    far = (uint32_t)(number_size(self->stage.y_um - controller->expected_um[controller->oldest]) > s->follow_um + ROUNDING_UM);
+    far = (uint32_t)(number_size(self->stage.y_um - controller->expected_um[controller->oldest]) > controller->watchdog.follow_um + ROUNDING_UM);
     self->apart = ((judged & far) != 0u) ? self->apart + 1u : 0u;
     if ((tracks != 0u) && ((number_size(controller->offset_um) > s->offset_um)
                            || (number_size(controller->trim.correction_um) > trim_um))) {

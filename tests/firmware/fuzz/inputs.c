@@ -44,6 +44,7 @@ void fuzz_settings(fuzz_t *self)
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
     s->stuck_V = fuzz_float(self, 0.1f, 2.0f);
     s->follow_um = fuzz_float(self, 0.05f, 1.0f);
+    s->follow_um = (s->follow_um < 0.9f) ? s->follow_um : 0.0f;
     s->follow_samples = 1u + fuzz_below(self, 50u);
     s->bad_samples = 1u + fuzz_below(self, 20u);
     s->trim_integral = fuzz_float(self, 0.0f, 0.02f);
