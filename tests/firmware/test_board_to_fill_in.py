@@ -14,7 +14,7 @@ from fixtures.board_drivers import Chip, drivers
 from hysgen.errors import BuildError
 
 PLL, PSC0, PSC1, SYSCFG, UART, GPIO = 0x01C11000, 0x01C10000, 0x01E27000, 0x01C14000, 0x01D0D000, 0x01E26000
-TIMER0, TIMER1, SPI1 = 0x01C20000, 0x01C21000, 0x01F0E000
+TIMER0, TIMER1 = 0x01C20000, 0x01C21000
 PERIOD = 7500
 
 
@@ -150,17 +150,6 @@ def test_a_byte_that_finds_the_buffer_full_is_lost_and_no_other() -> None:
     assert list(data[0:256]) == [byte & 0xFF for byte in range(256)]
 
 
-def test_the_flash_gets_mode_0_of_8_bits_below_10_MHz() -> None:
-    chip = Chip()
-    format_0 = chip.load(SPI1 + 0x50)
-    assert (format_0 & 0x1F, format_0 >> 16 & 0xFF) == (8, 1)
-    # High for more than 50 ns between two instructions, in clocks of SPI1.
-    assert ((format_0 >> 24 & 0x3F) + 2) / 187.5e6 > 50e-9
-    assert 187_500_000 / ((format_0 >> 8 & 0xFF) + 1) == pytest.approx(10_000_000, rel=0.02)
-    # Out of reset, master, on; SIMO, SOMI, CLK and SCS[0] are pins of SPI1, the last one high at rest.
-    assert [chip.load(SPI1 + place) for place in (0, 4, 0x14, 0x4C)] == [1, 0x01000003, 0xE01, 1]
-
-
 def test_with_spi_that_does_not_answer_nothing_claims_to_be_stored() -> None:
     chip = Chip(started=False)
     assert chip.lib.hysgen_board_store_write(chip.board, 0, 0, b"\0\0\0\0", 4) == 0
@@ -181,13 +170,6 @@ def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:
     assert np.isnan(chip.lib.hysgen_board_displacement_um(chip.board))
     assert chip.state.adc_reads == 0
     assert 50 < len(chip.touched) < 400
-
-
-@pytest.mark.parametrize(("u_V", "code"), [(-20.0, 0), (120.0, 65535), (50.0, 32768), (-1e9, 0), (1e9, 65535)])
-def test_a_voltage_becomes_the_code_of_the_converter(u_V: float, code: int) -> None:
-    chip = Chip()
-    chip.lib.hysgen_board_voltage(chip.board, u_V)
-    assert (chip.state.dac_code, chip.touched[-1]) == (code, 0x6200_0000)
 
 
 def test_a_model_of_another_sampling_period_does_not_compile_into_the_image() -> None:

@@ -306,6 +306,7 @@ def test_start_up_sets_every_register_whatever_a_boot_loader_has_left() -> None:
     assert (state.uart_ier, state.uart_mcr, state.uart_mdr, state.uart_fcr) == (0, 0, 0, 7)
     # On, master with a clock of its own; four pins; 53 ns around a byte; SCS[0] high between transfers.
     assert (state.spi_gcr0, state.spi_gcr1, state.spi_pc0) == (1, 0x01000003, 0xE01)
+    assert (state.spi_fmt0 & 0x1F, state.spi_fmt0 >> 16 & 0xFF) == (8, 1), "mode 0 of 8 bits"
     assert (state.spi_delay, state.spi_def) == (0x0A0A0000, 1)
     prescale = state.spi_fmt0 >> 8 & 0xFF
     assert (187.5e6 / (prescale + 1) < 10e6 <= 187.5e6 / prescale, state.spi_fmt0 >> 24) == (True, 10)
@@ -360,3 +361,4 @@ def test_a_voltage_becomes_the_nearest_code_and_the_codes_end_at_the_amplifiers_
         chip.lib.hysgen_board_voltage(chip.board, u_V)
         exact = (min(max(u_V, -20.0), 120.0) + 20.0) * 65535 / 140
         assert abs(chip.state.dac_code - exact) <= 0.51
+    assert chip.touched[-1] == 0x6200_0000

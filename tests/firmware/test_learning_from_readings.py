@@ -42,7 +42,7 @@ def test_readings_that_are_none_reach_the_learner_as_none(value: float) -> None:
 
 
 def test_a_sample_inside_a_commit_teaches_nothing_and_the_learners_path_goes_on_with_the_stage() -> None:
-    """The same readings with and without a commit under way for 100 samples; pauses between commits outlast the test."""
+    """The same readings with and without a commit under way for 100 samples; none begins by itself."""
     states = []
     for committing in (0, 1):
         firmware = HostFirmware(extended_image(), ModelStage(extended()), Settings(learn=True))

@@ -44,10 +44,8 @@ def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
 
 
 def unphased(model: Model) -> Model:
-    """The model with weight 0 for its periodic disturbances, as the firmware gets it.
-
-    Nobody knows their phase at the board's START, and with a wrong one they add to the error up to twice what they are.
-    """
+    """The model with weight 0 for its periodic disturbances: their phase at the board's START is unknown, and with a
+    wrong one they would add to the error."""
     gains = [0.0 if term.timed else 1.0 for term in model.terms for _ in range(term.size)]
     return replace(model, weights=model.weights * gains) if 0.0 in gains else model
 
