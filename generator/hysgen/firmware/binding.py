@@ -27,7 +27,6 @@ from hysgen.model.path import preview
 BINDING: Final = "model.h"
 TYPES: Final = ("t", "bank_t", "learner_t")
 """Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
-DIGEST_WORDS: Final = 4
 LEARNER_ALPHA: Final = 1e-6
 
 
@@ -129,7 +128,7 @@ def structure_digest(model: Model) -> tuple[int, ...]:
         "blocks": [[block.kind, _shapes(block.constants(model.Ts_s))] for block in model.blocks],
     }
     whole = digest(json.dumps(fixed, sort_keys=True).encode())
-    return tuple(int(whole[8 * i : 8 * i + 8], 16) for i in range(DIGEST_WORDS))
+    return tuple(int(whole[8 * i : 8 * i + 8], 16) for i in range(4))
 
 
 def _shapes(tables: Mapping[str, NDArray[Any]]) -> dict[str, str]:

@@ -6,7 +6,7 @@ import struct
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Final, Protocol, Self
+from typing import Final, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,8 +219,3 @@ class Client:
                 if body is not None and len(body) > 2 and body.startswith(head):
                     return body[2:]
         return None
-
-
-def to_json(answer: Identity | LinkStatus) -> dict[str, Any]:
-    """Plain JSON values."""
-    return dict(vars(answer))

@@ -12,7 +12,7 @@ from hysgen.display import table
 from hysgen.errors import ModelError
 from hysgen.firmware.host import FirmwareStatus, Request, State
 from hysgen.firmware.image import NO_KEY, read_key
-from hysgen.firmware.link import BAUD, Client, open_line, read_table, record_text, to_json
+from hysgen.firmware.link import BAUD, Client, open_line, read_table, record_text
 from hysgen.firmware.wire import LinkStatus
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
@@ -54,12 +54,12 @@ def run_link(arguments: argparse.Namespace, console: Console) -> int:
     with Client(open_line(arguments.port, arguments.baud)) as client:
         if arguments.action == "identify":
             identity = client.identity()
-            console.say(table(["firmware", ""], [[name, str(value)] for name, value in to_json(identity).items()]))
-            return console.finish(to_json(identity))
+            console.say(table(["firmware", ""], [[name, str(value)] for name, value in vars(identity).items()]))
+            return console.finish(vars(identity))
         _act(client, arguments, console)
         status = client.status()
     console.say(status_table(status))
-    return console.finish(to_json(status))
+    return console.finish(vars(status))
 
 
 def _act(client: Client, arguments: argparse.Namespace, console: Console) -> None:
@@ -91,7 +91,7 @@ def _image(file: Path) -> bytes:
 def status_table(status: LinkStatus) -> str:
     """The status as rows of name and value."""
     bits = {name: FirmwareStatus(getattr(status, name)).name or "0" for name in ("status", "first_fault")}
-    named = to_json(status) | {"state": State(status.state).name, **bits}
+    named = vars(status) | {"state": State(status.state).name, **bits}
     rows = [[name, f"{value:.6g}" if isinstance(value, float) else str(value)] for name, value in named.items()]
     return table(["firmware", ""], rows)
 
