@@ -27,7 +27,6 @@ from hysgen.model.path import preview
 BINDING: Final = "model.h"
 TYPES: Final = ("t", "bank_t", "learner_t")
 """Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
-LEARNER_ALPHA: Final = 1e-6
 
 
 def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
@@ -56,7 +55,7 @@ def with_learner(model: Model) -> Model:
     the window is full. One sine does not excite all parameters; without these settings the unexcited ones would drift
     until commit refuses them.
     """
-    return replace(model, learner=LearnerSettings(forgetting=1.0, alpha=LEARNER_ALPHA))
+    return replace(model, learner=LearnerSettings(forgetting=1.0, alpha=1e-6))
 
 
 def require_drivable(model: Model) -> None:
