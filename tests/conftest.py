@@ -121,9 +121,8 @@ def _facts_of_generated_c(once_per_run: Callable[[str, Callable[[], Any]], Any])
         return made
 
     with pytest.MonkeyPatch.context() as patch:
-        for module, names in ((codegen, ("figures", "chains", "learning")), (codegen.derived, ("accuracy",))):
-            for name in names:
-                patch.setattr(module, name, remembered(name, getattr(module, name)))
+        for name in ("accuracy", "figures", "chains", "learning"):
+            patch.setattr(codegen, name, remembered(name, getattr(codegen, name)))
         generated = remembered("generate", export.generate)
         patch.setattr(export, "generate", lambda model, options: dict(generated(model, options)))
         yield

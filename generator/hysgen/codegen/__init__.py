@@ -6,6 +6,7 @@ model and options give the same bytes on every machine and at any time.
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections import defaultdict
 from collections.abc import Mapping
@@ -18,13 +19,13 @@ from hysgen.codegen.derived import Derived, Options
 from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file
 from hysgen.codegen.operations import Figures, figures
 from hysgen.codegen.operations.cycles import Cycles, budget, cycles_of, per_sample, require_budget
-from hysgen.codegen.parameters import Table, error_section, numbers_digest
+from hysgen.codegen.parameters import Table, error_section, error_texts, numbers_digest
 from hysgen.codegen.render import context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
 from hysgen.display import decimal
 from hysgen.errors import CertificateError, HysgenError, ModelError
-from hysgen.float32.reference.accuracy import Accuracy
+from hysgen.float32.reference.accuracy import Accuracy, accuracy
 from hysgen.machine.files import digest, write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
@@ -39,8 +40,9 @@ MOST_MISSED: Final = 0.1
 """Share of its range by which an inverse may be off. That of the bundled models is off by 1e-5 of it or less, one whose
 range has collapsed by all of it."""
 
+ERROR_SAMPLES: Final = 20_000
 ERROR_DIGITS: Final = 6
-"""Digits of the worst errors in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
+"""Digits of the errors found, in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
 
 
 def generate(model: Model | Derived, options: Options | None = None) -> dict[str, str]:
@@ -56,7 +58,7 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     _require_resolution(model)
     if chosen.inverse:
         derived.require_inverse()
-    errors = derived.errors(inverse=chosen.inverse)
+    errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
     _require_inverse_resolution(model, errors)
     facts = _facts(derived, errors, inverse=chosen.inverse)
     facts["alignment"] = alignment(model) if chosen.aligned else None
@@ -80,11 +82,7 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     summary = {
         "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz, **_stated_budget(chosen)},
         "certificates": derived.certificates.to_json(),
-        "worst_error": {
-            "predict_um": rounded_up(errors.predict_um, ERROR_DIGITS),
-            **_inverse_error(model, errors),
-            "samples": errors.samples,
-        },
+        "error": _errors(errors),
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
@@ -161,13 +159,14 @@ def _stated_budget(options: Options) -> dict[str, int]:
     return {} if options.budget_cycles is None else {"budget_cycles": options.budget_cycles}
 
 
-def _inverse_error(model: Model, errors: Accuracy) -> dict[str, float]:
-    """Error of the inverse for the manifest: of the voltage or, behind responses of the stage, of what is reached."""
-    if not model.responds:
-        return {"inverse_V": rounded_up(errors.inverse_V, ERROR_DIGITS)}
+def _errors(errors: Accuracy) -> dict[str, Any]:
+    """The errors for the manifest, rounded up: found, 0 without an inverse, and proved, None without a bound."""
+    fields = dataclasses.asdict(errors)
+    proved, samples = fields.pop("proved"), fields.pop("samples")
+    largest = {name: rounded_up(error, ERROR_DIGITS) for name, error in fields.items()} | {"samples": samples}
     return {
-        "path": rounded_up(errors.path, ERROR_DIGITS),
-        "inverse_um": rounded_up(errors.predict_of_inverse_um, ERROR_DIGITS),
+        "found": largest,
+        "proved": proved and {name: bound and rounded_up(bound, 2) for name, bound in proved.items()},
     }
 
 
@@ -200,6 +199,7 @@ def _facts(derived: Derived, errors: Accuracy, *, inverse: bool) -> dict[str, An
         "structs": structs(model),
         "alignment": None,
         "learns": model.learner is not None,
+        "errors": error_texts(model.name, errors),
         "sections": sections,
         "numbers_digest": numbers_digest(sections),
     }

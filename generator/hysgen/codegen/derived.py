@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
 
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.learning import commit_feature, learner_feature
@@ -14,10 +13,7 @@ from hysgen.codegen.parameters import Section, block_sections, range_section, ru
 from hysgen.codegen.render import Feature
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.float32.reference.accuracy import Accuracy, accuracy
 from hysgen.model.model import Model
-
-ERROR_SAMPLES: Final = 20_000
 
 
 @dataclass(frozen=True)
@@ -82,10 +78,6 @@ class Derived:
     def options(self) -> Options:
         """The usual options: with the inverse if it is certified."""
         return Options(inverse=self.certificates.inverse_holds)
-
-    def errors(self, *, inverse: bool) -> Accuracy:
-        """Worst errors of the float32 functions against float64 over the range of the model."""
-        return accuracy(self.model, ERROR_SAMPLES, inverse=inverse)
 
     def require_inverse(self) -> None:
         """Raise CertificateError, with place and value, if Eq. (11) is singular or the path has no inverse."""

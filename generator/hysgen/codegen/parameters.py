@@ -102,24 +102,43 @@ def range_section(numbers: Coefficients, *, responds: bool) -> Section:
 
 
 def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section:
-    """Largest measured differences between float32 and float64 in one step; responds: whether u and w differ."""
-    constants = [Constant("PREDICT_ERROR_UM", _stated(errors.predict_um))]
+    """Differences between float32 and the model in one step, proved and found; responds: whether u and w differ."""
+    constants = [Constant("PREDICT_FOUND_UM", _stated(errors.predict_um))]
     if responds:
-        constants.append(Constant("PATH_ERROR", _stated(errors.path)))
+        constants.append(Constant("PATH_FOUND", _stated(errors.path)))
     if inverse and responds:
-        constants.append(Constant("INVERSE_ERROR_UM", _stated(errors.predict_of_inverse_um)))
+        constants.append(Constant("INVERSE_FOUND_UM", _stated(errors.predict_of_inverse_um)))
     elif inverse:
-        constants.append(Constant("INVERSE_ERROR_V", _stated(errors.inverse_V)))
-    path = (
-        "\nPATH_ERROR: part of the path, of w, along random ramps from rest; INVERSE_ERROR_UM: of y(k+1) against the"
-        "\nreference where no limit acts."
+        constants.append(Constant("INVERSE_FOUND_V", _stated(errors.inverse_V)))
+    comment = (
+        f"Error of one step. FOUND: the largest against float64 over {errors.samples} samples of the whole range,\n"
+        "rounded up; larger ones exist."
     )
-    return Section(
-        "Worst error of one step against the float64 model, measured when this file was generated\n"
-        f"over {errors.samples} samples of the whole range, rounded up." + (path if responds else ""),
-        constants,
-        public=True,
-    )
+    if responds:
+        comment += (
+            " PATH_FOUND: part of the path, of w, along random ramps from rest;\n"
+            "INVERSE_FOUND_UM: of y(k+1) against the reference where no limit acts."
+        )
+    if errors.proved is not None:
+        comment += (
+            "\nBOUND: proved against real arithmetic, for these numbers and every displacement and input of the rules."
+        )
+        constants.append(Constant("PREDICT_BOUND_UM", _stated(errors.proved.predict_um)))
+        if errors.proved.inverse_V is not None:
+            constants.append(Constant("INVERSE_BOUND_V", _stated(errors.proved.inverse_V)))
+    return Section(comment, constants, public=True)
+
+
+def error_texts(name: str, errors: Accuracy) -> dict[str, str]:
+    """What the header says of the error of a function over its ranges, by the function's name."""
+    texts = {}
+    for function, field in (("PREDICT", "predict_um"), ("INVERSE", "inverse_V")):
+        start, unit = f"{name.upper()}_{function}", field.rpartition("_")[2].upper()
+        sampled = f"the largest found against float64 is {start}_FOUND_{unit}"
+        bound = f"at most {start}_BOUND_{unit}, proved against real arithmetic"
+        proved = getattr(errors.proved, field, None) is not None
+        texts[function.lower()] = f"{bound};\n * {sampled}" if proved else f"{sampled}; no bound is proved"
+    return texts
 
 
 def rule_section(model: Model, numbers: Coefficients) -> Section:

@@ -25,6 +25,7 @@ Source: Dekker, A floating-point technique for extending the available precision
 
 from __future__ import annotations
 
+import functools
 from typing import Final
 
 import numpy as np
@@ -81,6 +82,7 @@ def float_of(bits: Words) -> Floats32:
     return bits.view(np.float32)
 
 
+@functools.singledispatch
 def power_of_two(x: Floats32) -> Floats32:
     """2^x = 2^n ((1 + c1 f) + (f^2 (c2 + c3 f) + f^4 ((c4 + c5 f) + c6 f^2))),   n = round(x),  f = x - n
 
@@ -99,6 +101,7 @@ def power_of_two(x: Floats32) -> Floats32:
     return float_of(bits_of(mantissa) + (bits_of(shifted) << np.uint32(MANTISSA_BITS)))
 
 
+@functools.singledispatch
 def reciprocal(x: Floats32) -> Floats32:
     """1/x by an integer initial value and Newton steps y <- y (2 - x y); x may be negative.
 
@@ -110,6 +113,7 @@ def reciprocal(x: Floats32) -> Floats32:
     return y
 
 
+@functools.singledispatch
 def flushed(x: Floats32) -> Floats32:
     """`x` with magnitudes below 2^-40 replaced by +0, applied to every result before it is returned or stored."""
     bits = bits_of(x)

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.float32.reference.instance import Instance
+from hysgen.float32.reference.rounding import ProvedErrors, proved_errors
 from hysgen.machine.reproducible import drawn, product
 from hysgen.model.file import load_model
 from hysgen.model.float32_arithmetic import Floats32
@@ -45,7 +46,8 @@ PATH_SAMPLES: Final = 256
 class Accuracy:
     """Largest absolute differences over `samples` pairs (y, u); inverse and round trips are 0 without an inverse.
 
-    path, residual: differences of w, in its unit; 0 without responses of the stage.
+    path, residual: differences of w, in its unit; 0 without responses of the stage. These are found, not bounds;
+    proved: bounds of the rules, where there are any.
     """
 
     samples: int
@@ -55,6 +57,7 @@ class Accuracy:
     predict_of_inverse_um: float
     path: float = 0.0
     residual: float = 0.0
+    proved: ProvedErrors | None = None
 
 
 def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1) -> Accuracy:
@@ -69,7 +72,8 @@ def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1)
     worst[0] += steepest * path
     worst[3] += steepest * residual
     predict_um, inverse_V, again_V, again_um = worst.tolist()
-    return Accuracy(samples, predict_um, inverse_V, again_V, again_um, path, residual)
+    proved = proved_errors(model, inverse=inverse)
+    return Accuracy(samples, predict_um, inverse_V, again_V, again_um, path, residual, proved)
 
 
 def _path_errors(model: Model, seed: int, inverse: bool) -> tuple[float, float]:
@@ -176,7 +180,7 @@ def main() -> None:
             f"{name}: {errors.samples} samples, float32 against float64: predict {errors.predict_um:.3g} um, "
             f"inverse {errors.inverse_V:.3g} V; inverse(predict) {errors.inverse_of_predict_V:.3g} V, "
             f"predict(inverse) {errors.predict_of_inverse_um:.3g} um; "
-            f"path {errors.path:.3g}, its inverse {errors.residual:.3g}"
+            f"path {errors.path:.3g}, its inverse {errors.residual:.3g}; proved of the rules: {errors.proved}"
         )
 
 

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from hysgen.float32.coefficients import Bank, Coefficients, coefficients
-from hysgen.float32.reference.rules import RuleSums, finite, limited, rule_sums
+from hysgen.float32.reference.rules import RuleSums, finite, limited, next_displacement, rule_sums, wanted_input
 from hysgen.float32.struct_words import InstanceWords
 from hysgen.model.disturbances import channels_of
-from hysgen.model.float32_arithmetic import Floats32, Words, flushed, reciprocal
+from hysgen.model.float32_arithmetic import Floats32, Words, flushed
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
@@ -102,8 +102,7 @@ class Instance(InstanceWords):
         self._count_event(Status.REFERENCE_CLAMPED, cut)
         sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
-        numerator = wanted * sums.weight - (y * sums.slope + sums.offset)
-        found = self.inputs.invert(flushed(numerator * reciprocal(sums.gain)), self._allowed())
+        found = self.inputs.invert(flushed(wanted_input(sums, y, wanted)), self._allowed())
         self.u_V = found.u_V
         self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
         self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))
@@ -128,7 +127,7 @@ class Instance(InstanceWords):
         return PathLimits(numbers.u_min_V, numbers.u_max_V, numbers.w_min, numbers.w_max, numbers.w_tolerance)
 
     def _apply(self, sums: RuleSums, extra: Floats32 | None, y: Floats32, w: Floats32) -> Floats32:
-        rules = ((y * sums.slope + sums.offset) + w * sums.gain) * reciprocal(sums.weight)
+        rules = next_displacement(sums, y, w)
         self.y_um = flushed(rules if extra is None else rules + extra)
         for term in self.terms:
             term.advance()

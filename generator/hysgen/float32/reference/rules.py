@@ -6,6 +6,7 @@ S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from hysgen.model.float32_arithmetic import (
     bits_of,
     float_of,
     power_of_two,
+    reciprocal,
 )
 
 _ONE = np.float32(1.0)
@@ -53,6 +55,16 @@ def rule_sums(numbers: Coefficients, bank: Bank, y_um: Floats32) -> RuleSums:
         gain=polynomial(bank.gain, r),
         weight=polynomial(numbers.strength, r),
     )
+
+
+def next_displacement(sums: RuleSums, y_um: Floats32, w: Floats32) -> Floats32:
+    """y(k+1) of the rules, (y S + O + w G) / W, (lanes,)."""
+    return ((y_um * sums.slope + sums.offset) + w * sums.gain) * reciprocal(sums.weight)
+
+
+def wanted_input(sums: RuleSums, y_um: Floats32, y_next_um: Floats32) -> Floats32:
+    """The w that takes y to y(k+1), Eq. (11): (y(k+1) W - (y S + O)) / G, (lanes,)."""
+    return (y_next_um * sums.weight - (y_um * sums.slope + sums.offset)) * reciprocal(sums.gain)
 
 
 def ratio(numbers: Coefficients, y_um: Floats32) -> Floats32:
@@ -92,7 +104,7 @@ def polynomial(c: Floats32, r: Floats32) -> Floats32:
         joined = [parts[k] + parts[k + 1] * power for k in range(0, len(parts) - 1, 2)]
         parts = [*joined, *parts[2 * len(joined) :]]
         power = power * power
-    return np.asarray(parts[0])
+    return cast("Floats32", parts[0])
 
 
 def pairwise(parts: list[Floats32]) -> Floats32:
