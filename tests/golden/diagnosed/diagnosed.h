@@ -5,7 +5,7 @@
  *     w is u behind delay, hysteresis, creep, modes
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * allocated and nothing global is written. Ranges, errors and the digest of the numbers come with this header from
  * the first part of diagnosed_params.h. */
 
 #ifndef DIAGNOSED_H
@@ -134,15 +134,16 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: DIAGNOSED_PREDICT_ERROR_UM.
+ * Error over these ranges, behind the same path: at most DIAGNOSED_PREDICT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is DIAGNOSED_PREDICT_FOUND_UM.
  * 176 float +-, 111 float *, 33 float comparisons, 176 integer, 147 loads, 54 stores, 3 branches.
  * C674x: about 643 cycles (estimate). */
 float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
 
 /** One step of the free run: as diagnosed_predict, from the last output instead of a measured displacement.
  *
- * Each step adds at most DIAGNOSED_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
- * that distance stays below DIAGNOSED_PREDICT_ERROR_UM / (1 - s).
+ * Each step adds the error E of diagnosed_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
+ * distance stays below E / (1 - s).
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in diagnosed_predict
@@ -175,7 +176,7 @@ void diagnosed_limits(diagnosed_t *self, float low_V, float high_V, float step_V
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, DIAGNOSED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample DIAGNOSED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most DIAGNOSED_INVERSE_ERROR_UM; where the path is
+ * Where no limit acts, y(k+1) was found to be missed by up to DIAGNOSED_INVERSE_FOUND_UM; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
  * 590 float +-, 376 float *, 155 float comparisons, 577 integer, 412 loads, 56 stores, 10 branches.
  * C674x: about 1884 cycles (estimate). */

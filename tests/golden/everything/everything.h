@@ -8,7 +8,7 @@
  *         4 .. 4: drift
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * allocated and nothing global is written. Ranges, errors and the digest of the numbers come with this header from
  * the first part of everything_params.h. */
 
 #ifndef EVERYTHING_H
@@ -171,15 +171,15 @@ void everything_init(everything_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: EVERYTHING_PREDICT_ERROR_UM.
+ * Error over these ranges, behind the same path: the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM; no bound is proved.
  * 169 float +-, 109 float *, 27 float comparisons, 213 integer, 147 loads, 49 stores, 3 branches.
  * C674x: about 656 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /** One step of the free run: as everything_predict, from the last output instead of a measured displacement.
  *
- * Each step adds at most EVERYTHING_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
- * that distance stays below EVERYTHING_PREDICT_ERROR_UM / (1 - s).
+ * Each step adds the error E of everything_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
+ * distance stays below E / (1 - s).
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in everything_predict
@@ -220,7 +220,7 @@ void everything_limits(everything_t *self, float low_V, float high_V, float step
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EVERYTHING_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most EVERYTHING_INVERSE_ERROR_UM; where the path is
+ * Where no limit acts, y(k+1) was found to be missed by up to EVERYTHING_INVERSE_FOUND_UM; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
  * 504 float +-, 331 float *, 105 float comparisons, 559 integer, 346 loads, 48 stores, 10 branches.
  * C674x: about 1680 cycles (estimate). */

@@ -4,7 +4,7 @@
  *     y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 u(k) + q_l3)
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * allocated and nothing global is written. Ranges, errors and the digest of the numbers come with this header from
  * the first part of smooth_50_params.h. */
 
 #ifndef SMOOTH_50_H
@@ -89,15 +89,15 @@ void smooth_50_init(smooth_50_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: SMOOTH_50_PREDICT_ERROR_UM.
+ * Error over these ranges: the largest found against float64 is SMOOTH_50_PREDICT_FOUND_UM; no bound is proved.
  * 58 float +-, 82 float *, 4 float comparisons, 68 integer, 63 loads, 7 stores.
  * C674x: about 272 cycles (estimate). */
 float smooth_50_predict(smooth_50_t *self, float y_um, float u_V);
 
 /** One step of the free run: as smooth_50_predict, from the last output instead of a measured displacement.
  *
- * Each step adds at most SMOOTH_50_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
- * that distance stays below SMOOTH_50_PREDICT_ERROR_UM / (1 - s).
+ * Each step adds the error E of smooth_50_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
+ * distance stays below E / (1 - s).
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in smooth_50_predict
@@ -128,7 +128,7 @@ void smooth_50_limits(smooth_50_t *self, float low_V, float high_V, float step_V
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
- * Worst error against float64 over these ranges: SMOOTH_50_INVERSE_ERROR_V.
+ * Error over these ranges: the largest found against float64 is SMOOTH_50_INVERSE_FOUND_V; no bound is proved.
  * 64 float +-, 90 float *, 12 float comparisons, 85 integer, 68 loads, 8 stores.
  * C674x: about 305 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);

@@ -23,10 +23,10 @@
 #define SMOOTH_50_REFERENCE_MIN_UM   -8.0f  /* 0xc1000000 */
 #define SMOOTH_50_REFERENCE_MAX_UM   17.5f  /* 0x418c0000 */
 
-/* Worst error of one step against the float64 model, measured when this file was generated
- * over 20000 samples of the whole range, rounded up. */
-#define SMOOTH_50_PREDICT_ERROR_UM  2.79999995e-06f  /* 0x363be7a2 */
-#define SMOOTH_50_INVERSE_ERROR_V    0.00109999999f  /* 0x3a902de0 */
+/* Error of one step. FOUND: the largest against float64 over 20000 samples of the whole range,
+ * rounded up; larger ones exist. */
+#define SMOOTH_50_PREDICT_FOUND_UM  2.79999995e-06f  /* 0x363be7a2 */
+#define SMOOTH_50_INVERSE_FOUND_V    0.00109999999f  /* 0x3a902de0 */
 
 #endif
 
