@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fixtures.commit_border import acceptance_boundary, answers, directions
 from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import START_UM, START_V, sized, texts_of
 from fixtures.tools import need
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits.comparison import acceptance_boundary, answers, committer_of, compare_commit, directions
+from hysgen.checking.bits.comparison import committer_of, compare_commit
 from hysgen.checking.host import Host, compiled
 from hysgen.float32.learner_numbers import learned_model
 from hysgen.float32.learner_words import Commit
@@ -81,27 +82,12 @@ def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model
     assert run.samples > 800
 
 
-@pytest.mark.parametrize(
-    ("intact", "planted"),
-    [
-        ("+ candidate->gain_remainder_um_per_V;", ";"),
-        (
-            "learner->reference[j] = candidate->theta[j];",
-            "if (j != 3u) { learner->reference[j] = candidate->theta[j]; }",
-        ),
-        (
-            "beyond |= smooth_2_beyond(learner->theta[j]);",
-            "if (j != 5u) { beyond |= smooth_2_beyond(learner->theta[j]); }",
-        ),
-        ("bank->gain[l] = learner->", "bank->gain[l] = (l == 1u) ? learner->base.gain[l] : learner->"),
-    ],
-)
 @pytest.mark.slow
-def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
-    model = sized(6)
+def test_a_planted_fault_is_found() -> None:
+    model, intact = sized(6), "bank->gain[l] = learner->"
     texts = texts_of(model)
     assert intact in texts["smooth_2.c"], f"the fault has nothing to bite on: {intact}"
-    texts["smooth_2.c"] = texts["smooth_2.c"].replace(intact, planted)
+    texts["smooth_2.c"] = texts["smooth_2.c"].replace(intact, "bank->gain[l] = (l == 1u) ? 0.5f : learner->")
     builds, _ = compiled(model.name, texts, [CC])
     assert compare_commit(model, builds, seed=1)[1]
 

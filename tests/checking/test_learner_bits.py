@@ -79,17 +79,6 @@ def test_a_restart_is_whole_in_the_call_that_loses_the_shadow() -> None:
 
 
 @pytest.mark.slow
-def test_a_restart_that_leaves_out_an_element_is_found() -> None:
-    model = sized(18)
-    texts, left_out = texts_of(model), f"{model.name.upper()}_FACTORS; ++i) {{\n        self->u[i] = 0.0f;"
-    file = f"{model.name}.c"
-    assert texts[file].count(left_out) == 1
-    texts[file] = texts[file].replace(left_out, left_out.replace("; ++i", " - 1u; ++i"))
-    pair = Pair(model, texts)
-    assert "u[" in str(next(filter(None, (pair.first_difference(*piece) for piece in losing(pair))), None))
-
-
-@pytest.mark.slow
 def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_passes() -> None:
     """Copied number by number, from what the terms and blocks declare."""
     name = "everything"
@@ -135,19 +124,13 @@ def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size:
         assert not wrong, wrong[0]
 
 
-@pytest.mark.parametrize(
-    ("intact", "planted"),
-    [
-        ("self->theta_low[j] = carried - (sum - theta);", "self->theta_low[j] = 0.0f;"),
-        ("self->turn = (j + 1u <", "self->turn = (j + 2u <"),
-        ("f[i] = f[i] + self->x[i];", "f[i] = f[i] * 1.0000001f + self->x[i];"),
-        ("const uint32_t usable = 1u ^ (y_lost | implausible);", "const uint32_t usable = 1u ^ y_lost;"),
-    ],
-)
 @pytest.mark.slow
-def test_a_planted_fault_is_found(intact: str, planted: str) -> None:
-    model = dataclasses.replace(load_model("appendix_a"), learner=LearnerSettings())
+def test_a_planted_fault_is_found() -> None:
+    model, intact = (
+        dataclasses.replace(load_model("appendix_a"), learner=LearnerSettings()),
+        "f[i] = f[i] + self->x[i];",
+    )
     texts = texts_of(model)
     assert intact in texts["appendix_a.c"]
-    texts["appendix_a.c"] = texts["appendix_a.c"].replace(intact, planted)
+    texts["appendix_a.c"] = texts["appendix_a.c"].replace(intact, "f[i] = f[i] * 1.0000001f + self->x[i];")
     assert Pair(model, texts).first_difference(*corrupted(600)) is not None

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
+import importlib.util
 import re
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,10 +26,15 @@ from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.codegen import generate
 from hysgen.errors import BuildError, HysgenError
-from hysgen.float32.reference import instance, rules
-from hysgen.float32.reference.rules import limited, rule_sums
-from hysgen.model.float32_arithmetic import reciprocal
 from hysgen.model.model import Model
+
+SCRIPT = importlib.util.spec_from_file_location("proofs", Path(__file__).parents[2] / "benchmarks" / "proofs.py")
+assert SCRIPT is not None
+assert SCRIPT.loader is not None
+with pytest.MonkeyPatch.context() as patch:
+    patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
+    proofs = importlib.util.module_from_spec(SCRIPT)
+    SCRIPT.loader.exec_module(proofs)
 
 FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
 LEARNING = ("learn_init", "learn", "commit")
@@ -79,33 +85,17 @@ def test_a_learner_and_its_commit_are_proved_for_every_input(parameters: int) ->
     assert f"{learn.cases} cases" in learn.line()
 
 
-LEARNER_FAULTS = [
-    ("learn_init", "self->reference[3u * l] = ", "self->reference[3u * l] = 2.0f * "),
-    ("commit", "+ candidate->gain_remainder_um_per_V;", ";"),
-    ("commit", "(change + remainder)", "change"),
-    ("commit", "gain - away <=", "gain - 0.99f * away <="),
-    ("commit", "= 1u - self->active;", "= 1u;"),
-    ("commit", "(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
-    ("commit", "learner->reference[j] = candidate->theta[j];", "learner->reference[j] = candidate->theta[0];"),
-    ("learn", "self->theta_low[j] = carried - (sum - theta);", "self->theta_low[j] = 0.0f;"),
-    ("learn", "self->turn = (j + 1u <", "self->turn = (j + 2u <"),
-    ("learn", "f[i] = f[i] + self->x[i];", "f[i] = f[i] * 1.0000001f + self->x[i];"),
-    ("learn", "1u ^ (y_lost | implausible);", "1u ^ y_lost;"),
-    ("learn", "    if (lost != 0u) {", "    if (lost > 1u) {"),
-]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("function", "intact", "planted"),
-    [pytest.param(*fault, marks=pytest.mark.proof if fault[0] == "learn" else ()) for fault in LEARNER_FAULTS],
+    "fault",
+    [pytest.param(fault, marks=pytest.mark.proof if fault[1] == "learn" else ()) for fault in proofs.FAULTS],
 )
-def test_a_fault_of_learner_or_commit_is_not_proved(function: str, intact: str, planted: str) -> None:
-    model = sized(6)
-    texts = texts_of(model)
-    assert intact in texts["smooth_2.c"], f"the fault has nothing to bite on: {intact}"
-    changed = {**texts, "smooth_2.c": texts["smooth_2.c"].replace(intact, planted)}
-    (proof,) = translation(model, changed, calls=[function]).functions
+def test_a_fault_of_the_c_is_not_proved(fault: tuple[str, str, str, str]) -> None:
+    name, function, intact, planted = fault
+    model, texts = proofs.model_of(name)
+    source = f"{model.name}.c"
+    assert intact in texts[source], f"the fault has nothing to bite on: {intact}"
+    (proof,) = translation(model, texts | {source: texts[source].replace(intact, planted)}, calls=[function]).functions
     assert proof.open
     assert not proof.refused
 
@@ -158,24 +148,11 @@ def test_no_fault_that_samples_show_is_proved_equal_and_most_faults_are_seen() -
     assert len(unseen) <= judged // 4, unseen  # lines that compute the same, or that these functions do not reach
 
 
-@pytest.mark.parametrize(
-    ("target", "fault"),
-    [
-        ("rule_sums", lambda numbers, bank, y: dataclasses.replace(rule_sums(numbers, bank, y), weight=y)),
-        ("reciprocal", lambda x: reciprocal(x) * np.float32(1.0000001)),
-        ("flushed", lambda x: x),
-        ("limited", lambda x, low, high: (limited(x, low, high)[0], x < low)),
-    ],
-)
-def test_a_fault_of_the_reference_is_seen(
-    target: str, fault: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = shipped("appendix_a")
-    monkeypatch.setattr(rules if target == "reciprocal" else instance, target, fault)
-    (proof,) = translation(folder.model, folder.texts, calls=["predict"]).functions
-    assert not proof.holds
-    assert proof.function == "predict"
-    assert (proof.difference or proof.open[0]).startswith(("y_um", "status", "y_clamped", "u_clamped"))
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", proofs.REFERENCE_FAULTS[:4])
+def test_a_fault_of_the_reference_is_not_proved(fault: tuple[str, str, str, str, str]) -> None:
+    name, function, module, *change = fault
+    assert proofs.judged(name, (function,), change, module).answers[function] != "proved"
 
 
 def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:

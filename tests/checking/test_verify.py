@@ -74,35 +74,12 @@ def test_the_c_that_ships_equals_its_reference(name: str) -> None:
     assert {run.function for run in report.runs} >= {"predict", "simulate", "inverse", "learn", "commit"}
 
 
-# What a wrong generator, a wrong template or a wrong compiler could do, where it must show first.
+# What a wrong generator, a wrong template or a wrong compiler could do, where it must show first; more faults:
+# benchmarks/proofs.py, which the proof of equality finds without samples.
 FAULTS = {
     "last bit of a constant": ("stage_params.h", "0.911089778f", "0.911089838f", "predict", "result"),
-    "order of operations": (
-        "stage.c",
-        "(base + u * gain) * per_weight",
-        "base * per_weight + u * gain * per_weight",
-        "predict",
-        "result",
-    ),
-    "a Newton step less": ("stage.c", "r = r * (2.0f - x * r);\n\n    return", "return", "predict", "result"),
     "upper clamp missing": ("stage.c", "(stage_bits(high) & lower)", "(stage_bits(x) & lower)", "init", "u_V"),
     "NaN passes": ("stage.c", "(uint32_t)(magnitude >= 0x7f800000u)", "0u", "init", ""),
-    "tiny numbers pass": ("stage.c", "bits & keep & ~hold", "bits & ~hold", "init", "u_V"),
-    "wrong flag": (
-        "stage.c",
-        "u_clamped * STAGE_STATUS_U_CLAMPED",
-        "u_clamped * STAGE_STATUS_Y_CLAMPED",
-        "init",
-        "status",
-    ),
-    "flag forgotten": ("stage.c", "| (unreachable * STAGE_STATUS_UNREACHABLE)", "", "inverse", "status"),
-    "counter wraps": (
-        "stage.c",
-        "counter + (happened & (uint32_t)(counter < UINT32_MAX))",
-        "counter + happened",
-        "predict",
-        "y_clamped",
-    ),
     "wrong bank": ("stage.c", "&self->bank[self->active]", "&self->bank[0]", "predict", "result"),
     "last good input not kept": ("stage.c", "    self->u_V = u;\n", "", "predict", "u_V"),
     "state of a play": (
@@ -111,20 +88,6 @@ FAULTS = {
         "self->play[1] = z2;",
         "predict",
         "inputs.hysteresis.play[1]",
-    ),
-    "low word of a slow state": (
-        "stage.c",
-        "self->low[0] = stage_lost(high0, t0);",
-        "self->low[0] = 0.0f;",
-        "predict",
-        "inputs.creep.low[0]",
-    ),
-    "what the input blocks hold back arrives": (
-        "stage.c",
-        "stage_apply(self, base, sums.gain, per_weight, w)",
-        "stage_apply(self, base, sums.gain, per_weight, u)",
-        "predict",
-        "result",
     ),
     "self-test": ("stage_selftest.c", "self.y_clamped != ", "self.y_clamped == ", "selftest", "result"),
 }

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fixtures.commit_border import answers
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import sized
 from hysgen.certify.certificates import certify
-from hysgen.checking.bits.comparison import answers, committer_of
+from hysgen.checking.bits.comparison import committer_of
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import CommitNumbers, coefficients, commit_numbers, membership_derivatives
 from hysgen.float32.learner_words import Commit

@@ -36,7 +36,7 @@ def test_no_sample_passes_the_bound_and_the_worst_comes_near_it(model: Model) ->
     assert errors.inverse_V < errors.proved.inverse_V < 3.0 * errors.inverse_V
     if model.name.startswith("appendix"):
         assert errors.proved.predict_um < 5e-6
-        assert errors.inverse_of_predict_V < 2e-3
+        assert errors.proved.inverse_V < 2e-3
         assert errors.predict_of_inverse_um < 1e-5
 
 

@@ -4,7 +4,7 @@
  *     y(k+1) = sum_l p_l(y(k)) (q_l1 y(k) + q_l2 u(k) + q_l3)
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * allocated and nothing global is written. Ranges, errors and the digest of the numbers come with this header from
  * the first part of appendix_a_params.h. */
 
 #ifndef APPENDIX_A_H
@@ -88,15 +88,16 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: APPENDIX_A_PREDICT_ERROR_UM.
+ * Error over these ranges: at most APPENDIX_A_PREDICT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is APPENDIX_A_PREDICT_FOUND_UM.
  * 35 float +-, 40 float *, 4 float comparisons, 67 integer, 32 loads, 7 stores.
  * C674x: about 199 cycles (estimate). */
 float appendix_a_predict(appendix_a_t *self, float y_um, float u_V);
 
 /** One step of the free run: as appendix_a_predict, from the last output instead of a measured displacement.
  *
- * Each step adds at most APPENDIX_A_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
- * that distance stays below APPENDIX_A_PREDICT_ERROR_UM / (1 - s).
+ * Each step adds the error E of appendix_a_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
+ * distance stays below E / (1 - s).
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in appendix_a_predict
@@ -127,7 +128,8 @@ void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
- * Worst error against float64 over these ranges: APPENDIX_A_INVERSE_ERROR_V.
+ * Error over these ranges: at most APPENDIX_A_INVERSE_BOUND_V, proved against real arithmetic;
+ * the largest found against float64 is APPENDIX_A_INVERSE_FOUND_V.
  * 41 float +-, 48 float *, 12 float comparisons, 84 integer, 37 loads, 8 stores.
  * C674x: about 232 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);

@@ -5,7 +5,7 @@
  *     w is u behind delay, hysteresis, creep
  *
  * Displacements in um, voltages in V, one call per sample of 20 us. The caller owns every struct; nothing is
- * allocated and nothing global is written. Ranges, worst errors and the digest of the numbers come with this header from
+ * allocated and nothing global is written. Ranges, errors and the digest of the numbers come with this header from
  * the first part of extended_params.h. */
 
 #ifndef EXTENDED_H
@@ -125,15 +125,16 @@ void extended_init(extended_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Worst error against float64 over these ranges: EXTENDED_PREDICT_ERROR_UM.
+ * Error over these ranges, behind the same path: at most EXTENDED_PREDICT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is EXTENDED_PREDICT_FOUND_UM.
  * 173 float +-, 120 float *, 33 float comparisons, 170 integer, 147 loads, 56 stores, 6 branches.
  * C674x: about 704 cycles (estimate). */
 float extended_predict(extended_t *self, float y_um, float u_V);
 
 /** One step of the free run: as extended_predict, from the last output instead of a measured displacement.
  *
- * Each step adds at most EXTENDED_PREDICT_ERROR_UM to the distance from the float64 run; while |df/dy| stays below s < 1,
- * that distance stays below EXTENDED_PREDICT_ERROR_UM / (1 - s).
+ * Each step adds the error E of extended_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
+ * distance stays below E / (1 - s).
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in extended_predict
@@ -166,7 +167,7 @@ void extended_limits(extended_t *self, float low_V, float high_V, float step_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EXTENDED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EXTENDED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) is missed by at most EXTENDED_INVERSE_ERROR_UM; where the path is
+ * Where no limit acts, y(k+1) was found to be missed by up to EXTENDED_INVERSE_FOUND_UM; where the path is
  * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
  * 714 float +-, 547 float *, 171 float comparisons, 619 integer, 519 loads, 58 stores, 17 branches.
  * C674x: about 2371 cycles (estimate). */

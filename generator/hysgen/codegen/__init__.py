@@ -143,7 +143,7 @@ def cost_figures(model: Model | Derived, options: Options | None = None) -> Figu
     if chosen.inverse:
         derived.require_inverse()
     # The errors stand in comments and in macros of the parameter file; neither is an operation or a byte.
-    facts = _facts(derived, Accuracy(0, 0.0, 0.0, 0.0, 0.0), inverse=chosen.inverse)
+    facts = _facts(derived, Accuracy(0, 0.0, 0.0, 0.0), inverse=chosen.inverse)
     counted = figures(model.name, _counted_texts(model.name, facts))
     require_budget(model, cycles_of(counted.operations, chosen.cycles), chosen.clock_Hz, chosen.budget_cycles)
     return counted

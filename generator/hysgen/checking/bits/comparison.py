@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,8 @@ from numpy.typing import NDArray
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.functions import (
     COMPARED_STRUCTS,
+    LEARNER,
+    MODEL,
     SHARES,
     START_UM,
     START_V,
@@ -28,7 +29,6 @@ from hysgen.checking.bits.functions import (
 from hysgen.checking.bits.report import ComparedRun, Mismatch
 from hysgen.checking.host import Build, Host
 from hysgen.float32.coefficients import MOST_DENSE_RULES, commit_numbers
-from hysgen.float32.learner_words import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
@@ -47,17 +47,12 @@ SHADOWS: Final = MOST_PARAMETERS + 16
 CHANGES: Final = (0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 1e3)
 """Distances of shadows from the model's parameters, as a share of each parameter's typical magnitude."""
 
-BISECTIONS: Final = 30
-"""Bisections between an accepted and a refused shadow; afterwards the two differ in a few last bits."""
-
 COMMIT: Final = "commit"
 
 
 @dataclass(frozen=True)
 class Shadows:
-    """Two generations of shadows: theta (2, n, shadows) and age (2, shadows); the second replaces the first at call
-    `second_from` of `calls` calls.
-    """
+    """Two generations of shadows, theta (2, n, shadows) and age (2, shadows): the second comes at call `second_from`."""
 
     theta: Floats32
     age: Words
@@ -101,51 +96,8 @@ def committer_of(model: Model, lanes: int = SHADOWS) -> Committer:
     return Committer(numbers, learner)
 
 
-def answers(committer: Committer, theta: Floats32) -> Words:
-    """The final answer of commit for each shadow of theta (n, lanes), (lanes,); the committer is not changed."""
-    copied = copy.deepcopy(committer)
-    copied.learner.theta = theta
-    with np.errstate(all="ignore"):
-        refused = copied.commit()
-        return np.where(refused == Commit.BUSY, copied.verdict(), refused).astype(np.uint32)
-
-
-def acceptance_boundary(committer: Committer, direction: Floats) -> tuple[Floats32, Floats32]:
-    """The last accepted and the first refused shadow in each lane along `direction`, (n, lanes) each, by bisection."""
-    own = committer.learner.theta.astype(np.float64)
-    inside, outside = np.full(own.shape[1], 1e-9), np.full(own.shape[1], 1e6)
-    for _ in range(BISECTIONS):
-        # Geometric mean while the interval spans orders of magnitude, arithmetic mean afterwards.
-        middle = np.where(outside > 4.0 * inside, np.sqrt(inside * outside), 0.5 * (inside + outside))
-        committed = answers(committer, (own + middle * direction).astype(np.float32)) == Commit.COMMITTED
-        inside, outside = np.where(committed, middle, inside), np.where(committed, outside, middle)
-    return (own + inside * direction).astype(np.float32), (own + outside * direction).astype(np.float32)
-
-
-def directions(committer: Committer, rng: np.random.Generator) -> Floats:
-    """Directions away from the model's parameters, (n, lanes).
-
-    In turn over the lanes: one parameter; all parameters at random; one group scaled by a common factor; one group at
-    random.
-    """
-    learner = committer.learner
-    own = learner.theta.astype(np.float64)
-    size, lanes = own.shape
-    groups = [parameter.group for parameter in learner.numbers.parameters]
-    kinds = list(dict.fromkeys(groups))
-    lane = np.arange(lanes)
-    one = np.arange(size)[:, None] == rng.integers(0, size, lanes)
-    group = np.array(groups)[:, None] == np.array(kinds)[(lane // 8) % len(kinds)]
-    typical = np.maximum(np.abs(own), 0.1 * np.abs(own).mean(axis=0)) + 1e-6
-    drawn = typical * rng.standard_normal(own.shape)
-    # The common factor falls to zero in one half of the lanes and grows without bound in the other half.
-    scaled = np.where(lane % 8 < 4, -1.0, 1.0) * own
-    choices = [typical * np.sign(drawn) * one, drawn, scaled * group, drawn * group]
-    return np.asarray(np.choose(lane % 4, choices))
-
-
 def _shadows(committer: Committer, seed: int) -> Shadows:
-    """First shadows at all distances of CHANGES, each parameter broken in turn; then pairs at the acceptance boundary.
+    """Shadows at all distances of CHANGES, each parameter broken in turn; then others near the own ones.
 
     A tenth of them is too young. The second generation arrives while candidates of the first are being checked.
     """
@@ -158,11 +110,10 @@ def _shadows(committer: Committer, seed: int) -> Shadows:
     drawn = (own + typical * change * rng.standard_normal(own.shape)).astype(np.float32)
     broken = np.arange(own.shape[0])[:, None] == SHADOWS - 1 - lane
     drawn[broken] = rng.choice(np.array([np.nan, np.inf, -np.inf, 1e30], np.float32), int(broken.sum()))
-    accepted, refused = acceptance_boundary(committer, directions(committer, rng))
-    theta = np.stack([drawn, np.where(lane // 4 % 2, accepted, refused)])
+    near = (own + typical * np.array(CHANGES)[lane % 5] * rng.standard_normal(own.shape)).astype(np.float32)
     young = rng.random((2, SHADOWS)) < 0.1
     age = np.where(young, numbers.settings.mature // 2, numbers.settings.mature).astype(np.uint32)
-    return Shadows(theta, age, calls_per_check - 2, 2 * calls_per_check)
+    return Shadows(np.stack([drawn, near]), age, calls_per_check - 2, 2 * calls_per_check)
 
 
 def _reference_trace(committer: Committer, shadows: Shadows) -> tuple[list[str], Words]:
@@ -194,42 +145,22 @@ def _words(committer: Committer) -> dict[str, Words]:
 
 def _compiled_trace(build: Build, shadows: Shadows, paths: Sequence[str]) -> Words:
     """The values of `_reference_trace`, from the compiled C."""
+    host = build.host
+    layout, in_learner = host.layout(f"{host.name}_t"), host.layout(f"{host.name}_learner_t")
+    places = np.array([in_learner[path] if path in in_learner else len(in_learner) + layout[path] for path in paths])
     trace = np.empty((shadows.calls, SHADOWS, len(paths) + 1), dtype=np.uint32)
     for lane in range(SHADOWS):
-        compiled = _CompiledCommitter(build.host, paths)
+        instance, learner = MODEL.create(host), LEARNER.create(host)
+        active, learned = host.words_of(instance), host.words_of(learner)
         for call in range(shadows.calls):
             if call in (0, shadows.second_from):
-                generation = call // shadows.second_from
-                compiled.set_shadow(shadows.theta[generation, :, lane], shadows.age[generation, lane])
-            trace[call, lane] = compiled.commit(flush=build.flush)
+                generation, first = call // shadows.second_from, in_learner["theta[0]"]
+                theta = shadows.theta[generation, :, lane].view(np.uint32)
+                learned[first : first + theta.size] = theta
+                learned[in_learner["age"]] = shadows.age[generation, lane]
+            trace[call, lane, -1] = host.commit(instance, learner, flush=build.flush)
+            trace[call, lane, :-1] = np.concatenate([learned, active])[places]
     return trace
-
-
-class _CompiledCommitter:
-    """An instance and its learner in C, and the places of the compared words in both structs."""
-
-    def __init__(self, host: Host, paths: Sequence[str]) -> None:
-        self.host = host
-        self.instance = host.instance(float(START_UM), float(START_V))
-        self.learner: Any = host.struct(f"{host.name}_learner_t")
-        host.call("learn_init", self.learner, self.instance)
-        learner_layout, instance_layout = host.layout(f"{host.name}_learner_t"), host.layout(f"{host.name}_t")
-        self.theta, self.age = learner_layout["theta[0]"], learner_layout["age"]
-        in_learner = [learner_layout[path] for path in paths if path in learner_layout]
-        in_instance = [instance_layout[path] for path in paths if path not in learner_layout]
-        self.in_learner, self.in_instance = np.array(in_learner, np.int64), np.array(in_instance, np.int64)
-
-    def set_shadow(self, theta: Floats32, age: np.uint32) -> None:
-        """Replace the learner's shadow parameters and their age."""
-        words = self.host.words_of(self.learner)
-        words[self.theta : self.theta + theta.size] = theta.view(np.uint32)
-        words[self.age] = age
-
-    def commit(self, *, flush: bool) -> Words:
-        """One call: the compared words, then the answer."""
-        answer = self.host.commit(self.instance, self.learner, flush=flush)
-        learner, instance = self.host.words_of(self.learner), self.host.words_of(self.instance)
-        return np.concatenate([learner[self.in_learner], instance[self.in_instance], [np.uint32(answer)]])
 
 
 START_SAMPLES: Final = 5000

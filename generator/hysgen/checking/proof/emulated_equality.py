@@ -17,7 +17,6 @@ from hysgen.checking.bits.comparison import (
     SETUP,
     START_SAMPLES,
     Task,
-    compare_commit,
     compare_selftest,
     compare_task,
     tasks,
@@ -33,9 +32,6 @@ from hysgen.model.model import Model
 
 LEARNING_RUN_SHARE: Final = 0.01
 """Updates of the learning run, as a share of the samples."""
-
-SHADOWS_FROM: Final = 10_000
-"""Least number of samples with which shadows are committed against the reference; these commits take minutes."""
 
 
 @dataclass(frozen=True)
@@ -115,12 +111,6 @@ def equality(
     if host.host.selftested:
         run, mismatches = compare_selftest(model, [host, *builds])
         runs.append(run)
-    if host.host.commits and samples >= SHADOWS_FROM:
-        if progress is not None:
-            progress(0.0, f"committing shadows on {len(builds)} instruction sets, some minutes")
-        run, wrong = compare_commit(model, [host, *builds], chosen.seed)
-        runs.append(run)
-        mismatches.extend(wrong)
     for task in todo:
         run, wrong = compare_task(model, [host, *builds], task, _share(task, samples), chosen.seed, advance)
         runs.append(run)

@@ -82,9 +82,6 @@ class Interval:
             return Interval.over(low * low, self.size * self.size)
         return Interval.over(*(a * b for a in (self.low, self.high) for b in (other.low, other.high)))
 
-    def within(self, error: Floats | float) -> Interval:
-        return Interval.over(self.low - error, self.high + error)
-
 
 @dataclass
 class Tape:
@@ -112,7 +109,7 @@ class Enclosed:
     rounding: largest |e|. known: interval of a difference whose sign is known.
     """
 
-    tape: Tape = field(repr=False)
+    tape: Tape
     place: int
     value: Interval
     operands: tuple[tuple[int, Interval | int], ...]
@@ -128,7 +125,9 @@ class Enclosed:
         if key not in self.tape.done:
             if rounding is None:
                 rounding = np.ldexp(HALF_BIT, np.frexp(exact.size)[1] - 1) + UNDERFLOW
-            self.tape.done[key] = self.tape.number(exact.within(rounding), pairs, rounding)
+            self.tape.done[key] = self.tape.number(
+                Interval.over(exact.low - rounding, exact.high + rounding), pairs, rounding
+            )
         return self.tape.done[key]
 
     def __add__(self, other: Enclosed) -> Enclosed:
@@ -230,15 +229,10 @@ def _worst(model: Model, *, inverse: bool) -> float:
         worst = max(worst, float(errors[~dividing].max(initial=0.0)))
         if not dividing.any():
             return worst
-        cells = _divided(cells[:, dividing])
+        low, high, *over_w = cells[:, dividing]
+        ends = [low + (high - low) * k / 4 for k in range(4)] + [high]
+        cells = np.concatenate([np.array([*ends[k : k + 2], *over_w]) for k in range(4)], axis=1)
     return max(worst, float(errors.max()))
-
-
-def _divided(cells: Floats) -> Floats:
-    """(4, 4 n) quarters of y of (4, n) cells."""
-    (low, high), w = cells[:2], cells[2:]
-    steps = [low, *(low + (high - low) * k / 4 for k in (1, 2, 3)), high]
-    return np.concatenate([np.array([*steps[k : k + 2], *w]) for k in range(4)], axis=1)
 
 
 def _step(model: Model, y: Interval, w: Interval, *, inverse: bool) -> Enclosed:

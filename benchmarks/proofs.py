@@ -1,0 +1,325 @@
+"""What `hysgen prove --only equal` says of many models, and of planted faults.
+
+python benchmarks/proofs.py models --random 200   proved or not, time, memory, equalities of the solver, by kind
+python benchmarks/proofs.py faults                every fault of FAULTS planted alone: all are found
+
+A fault is a text that stands in the generated C or in the source of the reference, and the text in its place. The
+faults of scheduled kernels are those of tests/fixtures/c674x_kernels.py: their inspection finds them, not this proof.
+Every proof has a process of its own, so that time and memory are its own and a changed reference ends with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import importlib.util
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from own_process import alone
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+EVERY: Final = ("init", "limits", "predict", "simulate", "inverse", "learn_init", "learn", "commit")
+STATES: Final = 44
+"""States of the chain of modes that stands beside the models of the tests: 22 modes of two states."""
+
+LEARNER, PAPER, EXTENDED = "sized 6", "shipped appendix_a", "shipped extended"
+FAULTS: Final[Sequence[tuple[str, str, str, str]]] = (
+    # model, function, text of the C, text in its place
+    (LEARNER, "learn_init", "self->reference[3u * l] = ", "self->reference[3u * l] = 2.0f * "),
+    (LEARNER, "commit", "+ candidate->gain_remainder_um_per_V;", ";"),
+    (LEARNER, "commit", "(change + remainder)", "change"),
+    (LEARNER, "commit", "gain - away <=", "gain - 0.99f * away <="),
+    (LEARNER, "commit", "= 1u - self->active;", "= 1u;"),
+    (LEARNER, "commit", "(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
+    (LEARNER, "commit", "learner->reference[j] = candidate->theta[j];", "learner->reference[j] = candidate->theta[0];"),
+    (
+        LEARNER,
+        "commit",
+        "beyond |= smooth_2_beyond(learner->theta[j]);",
+        "beyond |= smooth_2_beyond(learner->theta[0]);",
+    ),
+    (LEARNER, "commit", "bank->gain[l] = learner->", "bank->gain[l] = (l == 1u) ? learner->base.gain[l] : learner->"),
+    (LEARNER, "learn", "self->theta_low[j] = carried - (sum - theta);", "self->theta_low[j] = 0.0f;"),
+    (LEARNER, "learn", "self->turn = (j + 1u <", "self->turn = (j + 2u <"),
+    (LEARNER, "learn", "f[i] = f[i] + self->x[i];", "f[i] = f[i] * 1.0000001f + self->x[i];"),
+    (LEARNER, "learn", "1u ^ (y_lost | implausible);", "1u ^ y_lost;"),
+    (LEARNER, "learn", "    if (lost != 0u) {", "    if (lost > 1u) {"),
+    (
+        LEARNER,
+        "learn",
+        "_FACTORS; ++i) {\n        self->u[i] = 0.0f;",
+        "_FACTORS - 1u; ++i) {\n        self->u[i] = 0.0f;",
+    ),
+    (PAPER, "predict", "(base + u * gain) * per_weight", "base * per_weight + u * gain * per_weight"),
+    (PAPER, "predict", "r = r * (2.0f - x * r);\n\n    return", "return"),
+    (PAPER, "init", "(appendix_a_bits(high) & lower)", "(appendix_a_bits(x) & lower)"),
+    (PAPER, "predict", "(uint32_t)(magnitude >= 0x7f800000u)", "0u"),
+    (PAPER, "init", "bits & keep & ~hold", "bits & ~hold"),
+    (PAPER, "init", "u_clamped * APPENDIX_A_STATUS_U_CLAMPED", "u_clamped * APPENDIX_A_STATUS_Y_CLAMPED"),
+    (PAPER, "inverse", "| (unreachable * APPENDIX_A_STATUS_UNREACHABLE)", ""),
+    (PAPER, "predict", "counter + (happened & (uint32_t)(counter < UINT32_MAX))", "counter + happened"),
+    (PAPER, "predict", "&self->bank[self->active]", "&self->bank[0]"),
+    (PAPER, "predict", "    self->u_V = u;\n", ""),
+    (PAPER, "predict", "0.240226477f", "0.240226492f"),
+    (EXTENDED, "predict", "self->play[1] = z1;", "self->play[1] = z2;"),
+    (EXTENDED, "predict", "self->low[0] = extended_lost(high0, t0);", "self->low[0] = 0.0f;"),
+    (
+        EXTENDED,
+        "predict",
+        "extended_apply(self, base, sums.gain, per_weight, w)",
+        "extended_apply(self, base, sums.gain, per_weight, u)",
+    ),
+)
+REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
+    # model, function, module below hysgen, its text, text in its place
+    (
+        PAPER,
+        "predict",
+        "float32.reference.rules",
+        "((y_um * sums.slope + sums.offset) + w",
+        "(y_um * sums.slope + (sums.offset + w",
+    ),
+    (PAPER, "inverse", "float32.reference.rules", "y_next_um * sums.weight - (y_um", "y_next_um * sums.gain - (y_um"),
+    (
+        PAPER,
+        "predict",
+        "float32.reference.rules",
+        "np.where(magnitude < LEAST_BITS",
+        "np.where(magnitude <= LEAST_BITS",
+    ),
+    (
+        PAPER,
+        "predict",
+        "float32.reference.rules",
+        "magnitude >= np.uint32(INFINITY_BITS)",
+        "magnitude > np.uint32(INFINITY_BITS)",
+    ),
+    (
+        PAPER,
+        "predict",
+        "float32.reference.rules",
+        "below, above = x < low, x > high",
+        "below, above = x < low, x >= high",
+    ),
+    (
+        PAPER,
+        "predict",
+        "float32.reference.rules",
+        "(y_um - numbers.origin_um) * numbers.per_step)",
+        "y_um * numbers.per_step - numbers.origin_um * numbers.per_step)",
+    ),
+    (PAPER, "limits", "float32.reference.instance", "limited(high, self.low_V,", "limited(high, numbers.u_min_V,"),
+    (
+        PAPER,
+        "simulate",
+        "float32.reference.instance",
+        "y, clamped = limited(self.y_um, ",
+        "y, clamped = limited(-self.y_um, ",
+    ),
+    (PAPER, "inverse", "float32.reference.instance", "rejected | refused", "rejected & refused"),
+    (
+        EXTENDED,
+        "predict",
+        "float32.reference.instance",
+        "w = self.inputs.apply(u)\n        return",
+        "w = u\n        return",
+    ),
+    (
+        LEARNER,
+        "commit",
+        "float32.reference.commit",
+        "self.point >= self.numbers.points",
+        "self.point > self.numbers.points",
+    ),
+    (
+        LEARNER,
+        "commit",
+        "float32.reference.commit",
+        "gain - away <= numbers.gain_floor",
+        "gain - away < numbers.gain_floor",
+    ),
+    (LEARNER, "commit", "float32.reference.commit", "curve + b[2] * u", "curve - b[2] * u"),
+    (
+        LEARNER,
+        "learn_init",
+        "float32.reference.learner_state",
+        "self._number(i) * self.numbers.scale[i]",
+        "self._number(i)",
+    ),
+    (
+        LEARNER,
+        "learn",
+        "float32.reference.learner",
+        "before = before + f[j] * g[j]",
+        "before = f[j] * g[j] + before * _ONE * _ONE",
+    ),
+    (
+        LEARNER,
+        "learn",
+        "float32.reference.learner",
+        "on_grid(column + k[:j] * slope[j], FACTOR_GRID)",
+        "column + k[:j] * slope[j]",
+    ),
+    (LEARNER, "learn", "float32.reference.learner", "e * e > limit * limit * alpha", "e * e >= limit * limit * alpha"),
+    (
+        LEARNER,
+        "learn",
+        "float32.reference.learner",
+        "magnitude(away) < numbers.rest_V",
+        "magnitude(away) <= numbers.rest_V",
+    ),
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Judged:
+    """What the proof says of a model: answer by function, equalities of the solver, seconds, MB."""
+
+    answers: dict[str, str]
+    solved: int
+    seconds: float
+    MB: float
+
+
+def model_of(name: str) -> tuple[Any, Any]:
+    """A model by kind and name, and its C, which no fault has touched."""
+    from fixtures import drawn_models, generated_models, learner_bench, proof_models
+    from hysgen.codegen import Options, generate
+
+    kind, _, argument = name.partition(" ")
+    if kind == "shipped":
+        folder = proof_models.shipped(argument)
+        return folder.model, dict(folder.texts)
+    makers: dict[str, Callable[[], Any]] = {
+        "sized": lambda: learner_bench.sized(int(argument)),
+        "random": lambda: drawn_models.random_model(int(argument)),
+        "largest": generated_models.path,
+        "structure": structure,
+    }
+    model = makers[kind]() if kind in makers else proof_models.model(argument)
+    return model, generate(model, Options(clock_Hz=1e10))  # the proof is of any clock
+
+
+def structure() -> Any:
+    """Two rules behind a chain of STATES / 2 modes."""
+    import numpy as np
+
+    from fixtures.generated_models import smooth
+    from hysgen.model.path.structure import Structure
+
+    modes = STATES // 2
+    f_Hz = tuple(np.linspace(150.0, 2100.0, modes).tolist())
+    shares = tuple((0.4 / modes * (-1.0) ** np.arange(modes)).tolist())
+    block = Structure(f_Hz, (0.02,) * modes, shares, 4e-4, (0.0,) * modes, 2e-5)
+    return dataclasses.replace(smooth(2), name="structure_44", blocks=(block,))
+
+
+def prepared(name: str, functions: Sequence[str], change: tuple[str, str] = ("", ""), module: str = "") -> Any:
+    """A task for `alone`: the proof of a model, with a text changed in its C or in a module of the reference."""
+    if module:
+        _reference_with(f"hysgen.{module}", change)
+    from hysgen.checking.proof.translation import translation
+
+    model, texts = model_of(name)
+    if change[0] and not module:
+        source = f"{model.name}.c"
+        assert change[0] in texts[source], f"the fault has nothing to bite on: {change[0]}"
+        texts[source] = texts[source].replace(*change)
+
+    def proof() -> tuple[dict[str, str], int]:
+        result = translation(model, texts, calls=functions)
+        return {f.function: "proved" if f.holds else f.line() for f in result.functions}, sum(
+            f.solved for f in result.functions
+        )
+
+    return proof
+
+
+def _reference_with(name: str, change: tuple[str, str]) -> None:
+    """Put a changed module of the reference in the place of the module, before anything has imported it."""
+    spec = importlib.util.find_spec(name)
+    assert spec is not None
+    assert spec.origin is not None
+    text = Path(spec.origin).read_text(encoding="utf-8")
+    assert change[0] in text, f"the fault has nothing to bite on: {change[0]}"
+    assert name not in sys.modules
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    exec(compile(text.replace(change[0], change[1], 1), spec.origin, "exec"), module.__dict__)
+
+
+def judged(*arguments: Any) -> Judged:
+    """The answer of `prepared` in a process of its own."""
+    done = alone(prepared, *arguments)
+    answers, solved = done.value
+    return Judged(answers, solved, done.seconds, done.MB)
+
+
+def models(random: int) -> None:
+    """Print a row for each model, and the sums of each kind."""
+    listed = [
+        "shipped appendix_a",
+        "paper appendix_b",
+        "shipped extended",
+        "largest path",
+        "structure 44",
+        "sized 18",
+        "sized 24",
+    ]
+    kinds: dict[str, list[Judged]] = defaultdict(list)
+    for name in [*listed, *(f"random {seed}" for seed in range(random))]:
+        result = judged(name, EVERY)
+        open_words = [line for line in result.answers.values() if line != "proved"]
+        kinds[name if name in listed else "random"].append(result)
+        print(
+            f"{name}: {len(result.answers) - len(open_words)} of {len(result.answers)} functions proved, "
+            f"{result.solved} equalities by the solver, {result.seconds:.1f} s, {result.MB:.0f} MB",
+            *open_words,
+            sep="\n  ",
+            flush=True,
+        )
+    print(f"{'kind':20} models whole functions proved  s_mean  s_most MB_most solved")
+    for kind, results in kinds.items():
+        answers = [answer for result in results for answer in result.answers.values()]
+        whole = sum(set(result.answers.values()) == {"proved"} for result in results)
+        seconds = [result.seconds for result in results]
+        print(
+            f"{kind:20} {len(results):6} {whole:5} {len(answers):9} {answers.count('proved'):6} "
+            f"{sum(seconds) / len(seconds):7.1f} {max(seconds):7.1f} {max(result.MB for result in results):7.0f} "
+            f"{sum(result.solved for result in results):6}"
+        )
+
+
+def faults() -> int:
+    """Print what becomes of each fault; returns how many were not seen."""
+    planted = [(*fault[:2], fault[2:], "") for fault in FAULTS]
+    planted += [(*fault[:2], fault[3:], fault[2]) for fault in REFERENCE_FAULTS]
+    missed = 0
+    for name, function, change, module in planted:
+        answer = judged(name, (function,), change, module).answers[function]
+        missed += answer == "proved"
+        seen = "MISSED" if answer == "proved" else "seen"
+        print(f"{seen} in {module or 'the C'}, {name}: {change[0].strip()!r}: {answer}", flush=True)
+    places = f"{len(FAULTS)} of the C, {len(REFERENCE_FAULTS)} of the reference"
+    print(f"{len(planted) - missed} of {len(planted)} faults found: {places}")
+    return missed
+
+
+def main() -> None:
+    """Print the proofs of models, or what becomes of the faults."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("what", choices=["models", "faults"])
+    parser.add_argument("--random", type=int, default=200, help="number of random models")
+    arguments = parser.parse_args()
+    if arguments.what == "faults":
+        sys.exit(min(faults(), 1))
+    models(arguments.random)
+
+
+if __name__ == "__main__":
+    main()
