@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
-import importlib.util
+import importlib
 import re
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,13 +29,8 @@ from hysgen.codegen import generate
 from hysgen.errors import BuildError, HysgenError
 from hysgen.model.model import Model
 
-SCRIPT = importlib.util.spec_from_file_location("proofs", Path(__file__).parents[2] / "benchmarks" / "proofs.py")
-assert SCRIPT is not None
-assert SCRIPT.loader is not None
-with pytest.MonkeyPatch.context() as patch:
-    patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
-    proofs = importlib.util.module_from_spec(SCRIPT)
-    SCRIPT.loader.exec_module(proofs)
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+proofs = importlib.import_module("proofs")
 
 FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
 LEARNING = ("learn_init", "learn", "commit")

@@ -52,7 +52,7 @@ COMMIT: Final = "commit"
 
 @dataclass(frozen=True)
 class Shadows:
-    """Two generations of shadows, theta (2, n, shadows) and age (2, shadows): the second comes at call `second_from`."""
+    """Two generations of shadows, theta (2, n, shadows) and age (2, shadows); the second at call `second_from`."""
 
     theta: Floats32
     age: Words
