@@ -71,19 +71,9 @@ def compare_commit(model: Model, builds: Sequence[Build], seed: int) -> tuple[Co
         wrong = np.argwhere(got != expected)
         if wrong.size:
             call, lane, word = wrong[0]
-            mismatches.append(
-                Mismatch(
-                    model=model.name,
-                    function=COMMIT,
-                    style=f"shadow {lane}",
-                    build=str(build),
-                    sample=int(call),
-                    word=(*paths, "result")[word],
-                    got=int(got[call, lane, word]),
-                    expected=int(expected[call, lane, word]),
-                    inputs=(),
-                )
-            )
+            bits = int(got[call, lane, word]), int(expected[call, lane, word])
+            path = (*paths, "result")[word]
+            mismatches.append(Mismatch(model.name, COMMIT, f"shadow {lane}", str(build), int(call), path, *bits, ()))
     return ComparedRun(model.name, COMMIT, "shadows", shadows.calls * SHADOWS, len(builds)), mismatches
 
 

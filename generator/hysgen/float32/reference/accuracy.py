@@ -116,13 +116,8 @@ def _step_errors(model: Model, instance: Instance, y: Floats32, u: Floats32, inv
     again.y_um = y
     reached = again.simulate(u_back)
     inside = (u_back > instance.numbers.u_min_V) & (u_back < instance.numbers.u_max_V)
-    return np.array(
-        [
-            predicted,
-            np.abs(u_back - exact_back).max(),
-            np.abs((reached - wanted.astype(np.float64))[inside]).max(initial=0.0),
-        ]
-    )
+    missed = np.abs((reached - wanted.astype(np.float64))[inside]).max(initial=0.0)
+    return np.array([predicted, np.abs(u_back - exact_back).max(), missed])
 
 
 def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
