@@ -35,7 +35,6 @@ from hysgen.float32.reference.learner import Learner
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]
-Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 
 MOST_PARAMETERS: Final = 3 * MOST_DENSE_RULES

@@ -71,8 +71,8 @@ def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1)
     worst[0] += steepest * path
     worst[2] += steepest * residual
     predict_um, inverse_V, again_um = worst.tolist()
-    proved = proved_errors(model, inverse=inverse)
-    return Accuracy(samples, predict_um, inverse_V, again_um, path, residual, proved)
+    bounds = proved_errors(model, inverse=inverse)
+    return Accuracy(samples, predict_um, inverse_V, again_um, path, residual, bounds)
 
 
 def _path_errors(model: Model, seed: int, inverse: bool) -> tuple[float, float]:
