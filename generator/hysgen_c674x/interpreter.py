@@ -110,7 +110,8 @@ def run(processor: Processor, cycle_limit: int) -> RunCounts:
             here = processor.program_counter
             packet = processor.packet(here)
             try:
-                issue(packet, state)
+                if issued != processor.skipped:
+                    issue(packet, state)
             except _FaultError as fault:
                 raise processor.fault(fault.kind, here, fault.detail) from None
             issued += 1

@@ -131,7 +131,8 @@ class Processor:
     """Registers, memory and program. read_only_end: end of code and constants. free: first unused address.
 
     control: control registers, by their number in CONTROL. counter_from: cycle at which TSCL was 0, None while it
-    does not count. devices: None for a program alone in its memory. trace: filled by the next run.
+    does not count. devices: None for a program alone in its memory. trace: filled by the next run. skipped: number of
+    the packet, from 0, that has no effect in a run, as behind a glitch of clock or supply.
     """
 
     packets: Mapping[int, Packet]
@@ -144,6 +145,7 @@ class Processor:
     counter_from: int | None = None
     devices: Devices | None = None
     trace: Trace = field(default_factory=Trace)
+    skipped: int = NEVER
 
     def packet(self, address: int) -> Packet:
         """The packet at `address`. Raises TargetError if none starts there, or if it is not modelled."""

@@ -54,7 +54,7 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
 
     def run(processor: Processor, cycle_limit: int) -> RunCounts:
         state, trace = initial(library, processor), processor.trace
-        state.cycle_limit = cycle_limit
+        state.cycle_limit, state.skipped = cycle_limit, processor.skipped
         state.trace, state.trace_room = library.ffi.from_buffer("uint64_t[]", trace.words), trace.room
         library.lib.c674x_run(state)
         if state.fault:

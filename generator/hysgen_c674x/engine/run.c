@@ -90,7 +90,8 @@ void c674x_run(c674x_t *m)
                 return;
             }
             trace(m, TRACE_FETCH, m->program_counter);
-            packet->issue(m);
+            if (m->packets != m->skipped)
+                packet->issue(m);
             if (m->fault)
                 return;
             m->packets++;

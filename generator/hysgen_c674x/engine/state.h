@@ -7,6 +7,7 @@ typedef struct {
     uint32_t memory_base, memory_size, read_only_end;
     uint32_t program_counter, return_address;
     uint64_t cycle_limit;
+    uint64_t skipped; /* number of the packet, from 0, that has no effect */
 
     /* Devices outside the memory; 0 if there are none. device_events: bits that devices set in IFR, bit 0 for a reset of the chip, and
      * the cycle in which to ask again. */

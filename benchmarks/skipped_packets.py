@@ -1,0 +1,174 @@
+"""Skips one execute packet of the firmware on the simulated C674x at a time, and counts what must not happen.
+
+    python benchmarks/skipped_packets.py
+
+Unsafe is: the amplifier is on and the D/A gets a voltage outside low_V .. high_V, in the interrupt with the skip or in
+the next, with a reference beyond the range; or the numbers of an image without the right MAC are taken, at once or at
+the next boot. A run that the simulator ends (a wild address, an endless loop) is one that the panic or the watchdog
+ends with the amplifier off; what it has put out by then counts. docs/firmware.md has the figures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from hysgen.errors import TargetError
+from hysgen.firmware.binding import CONTROLLER, SIMULATOR_BOARD, firmware_model, read_sources, with_learner
+from hysgen.firmware.host import State
+from hysgen.firmware.image import encode
+from hysgen.firmware.wire import image_frames
+from hysgen.model.file import load_model
+from hysgen_c674x.firmware.simulated import virtual_stage
+from hysgen_c674x.firmware.target import compile_placed
+from hysgen_c674x.footprint import c_texts
+from hysgen_c674x.machine import Machine
+from hysgen_c674x.processor import NEVER, AccessKind
+
+LOW_V, HIGH_V = -1.0, 55.0
+"""Limits inside those of the converters, and close to the voltages of the way: the loop's highest is 54 V."""
+BEYOND_UM = np.float32(9.0)
+SAMPLES = 2000
+SPARSE = 41
+"""Inside the link's frames, hashes and certificates every so many packets are skipped, a prime; elsewhere each."""
+DENSE = ("hysgen_siphash", "hysgen_crc32", "hysgen_frame", "appendix_a")
+BOARD = {
+    "static firmware_t": "firmware_t",
+    "static board_t": "board_t",
+    '#include "board.h"': '#include "board.h"\nvoid judge(float u_V);',
+    "output_V = u_V;": "output_V = u_V; judge(u_V);",
+    "-20.0f,\n    .high_V = 120.0f": f"{LOW_V}f,\n    .high_V = {HIGH_V}f",
+}
+MEMORY = f"""
+#include "firmware.h"
+#include "number.h"
+extern firmware_t simulated;
+extern board_t simulated_board;
+static uint8_t slots[BOARD_SLOTS][BOARD_SLOT_BYTES];
+static uint32_t beyond;
+void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
+{{
+    (void)board;
+    for (uint32_t i = 0u; i < count; ++i) {{ bytes[i] = slots[slot & 1u][(offset + i) & 4095u]; }}
+}}
+void hysgen_board_store_erase(board_t *board, uint32_t slot)
+{{
+    (void)board;
+    for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {{ slots[slot & 1u][i] = 255u; }}
+}}
+uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
+{{
+    (void)board;
+    for (uint32_t i = 0u; i < count; ++i) {{ slots[slot & 1u][(offset + i) & 4095u] = bytes[i]; }}
+    return 1u;
+}}
+void judge(float u_V);
+void judge(float u_V)
+{{
+    const uint32_t inside = (uint32_t)(u_V >= {LOW_V}f) & (uint32_t)(u_V <= {HIGH_V}f);
+    beyond += simulated_board.enabled & (inside ^ 1u);
+}}
+uint32_t codes_beyond(void);
+uint32_t codes_beyond(void) {{ return beyond; }}
+uint32_t first_gain(void);
+uint32_t first_gain(void) {{ return number_bits(simulated.controller.bank.gain[0]); }}
+"""
+
+MODEL = with_learner(load_model("appendix_a"))
+
+
+def machine() -> Machine:
+    """Controller, model, and the simulator's board with a store and with limits of its own."""
+    board = dict(read_sources(SIMULATOR_BOARD))
+    for old, new in BOARD.items():
+        if board["board.c"].count(old) != 1:
+            raise SystemExit(f"board.c: no longer has {old!r} once")
+        board["board.c"] = board["board.c"].replace(old, new)
+    sources = [*read_sources(CONTROLLER), *board.items(), ("memory.c", MEMORY), *c_texts(firmware_model(MODEL))]
+    return compile_placed(sources).machine()
+
+
+def with_a_skip(target: Machine, function: str, *arguments: np.float32) -> Iterator[tuple[str, bool]]:
+    """Function and address of each packet that was skipped in a call, and whether the call came back."""
+    symbols = sorted((symbol.address, symbol.name) for symbol in target.image.symbols.values() if symbol.function)
+    starts = np.array([address for address, _ in symbols])
+    before = bytes(target.processor.memory)
+    outcome, trace = target.trace(function, *arguments, room=1 << 21)
+    words = trace.words[: trace.count]
+    fetched = words[(words >> np.uint64(32)) & np.uint64(3) == AccessKind.FETCH] & np.uint64(0xFFFFFFFF)
+    for number, address in enumerate(fetched.tolist()):
+        name = symbols[int(np.searchsorted(starts, address, "right")) - 1][1]
+        if name == "judge" or (number % SPARSE and name.startswith(DENSE)):
+            continue
+        target.processor.memory[:] = before
+        target.processor.skipped = number
+        try:
+            target.call(function, *arguments, cycle_limit=4 * outcome.cycles)
+            back = True
+        except TargetError:
+            back = False
+        target.processor.skipped = NEVER
+        yield f"{name} {address:08x}", back
+    target.processor.memory[:] = before
+
+
+def report(place: str, target: Machine, unsafe: Callable[[bool], bool], function: str, *arguments: np.float32) -> None:
+    """Print a place: skips, those that did not come back, and the unsafe ones by name."""
+    ends, broken, tried = 0, list[str](), 0
+    for name, back in with_a_skip(target, function, *arguments):
+        tried, ends = tried + 1, ends + (not back)
+        if unsafe(back):
+            broken.append(name)
+    print(f"{place}: {tried} skips, {ends} ended by a fault, {len(broken)} unsafe", *broken, sep="\n  ", flush=True)
+
+
+def interrupts(target: Machine) -> None:
+    """The second sample of every state on the way to TRACK, and the fortieth in it."""
+    stage, state = virtual_stage(MODEL)
+    y_um, seen = MODEL.grid.y_min_um, dict.fromkeys(State, 0)
+    target.call("hysgen_simulated_boot")
+    for _ in range(SAMPLES):
+        reading = np.float32(y_um)
+
+        def unsafe(back: bool, reading: np.float32 = reading) -> bool:
+            if back:
+                target.call("hysgen_simulated_interrupt", reading, BEYOND_UM)
+            return target.call("codes_beyond").bits != 0
+
+        now = State(target.call("hysgen_simulated_state").bits & 0xFF)
+        seen[now] += 1
+        if seen[now] in ((2, 40) if now is State.TRACK else (2,)):
+            place = f"interrupt, sample {seen[now]} of {now.name}"
+            report(place, target, unsafe, "hysgen_simulated_interrupt", reading, BEYOND_UM)
+        u_V = target.call("hysgen_simulated_interrupt", reading, BEYOND_UM).float32
+        target.call("hysgen_simulated_idle")
+        y_um = stage.call("simulate", state, u_V)
+        if seen[State.TRACK] > 40:
+            break
+
+
+def images(target: Machine) -> None:
+    """The pass of the idle loop that gets the last byte of a good image with one wrong bit in its MAC."""
+    target.call("hysgen_simulated_boot")
+    built_in = target.call("first_gain").bits
+    forged = bytearray(encode(replace(MODEL, consequents=MODEL.consequents * [1.0, 1.01, 1.0])))
+    forged[-1] ^= 1
+    line = b"".join(image_frames(bytes(forged)))
+    for byte in line[:-1]:
+        target.call("hysgen_simulated_send", byte)
+        target.call("hysgen_simulated_idle")
+    target.call("hysgen_simulated_send", line[-1])
+
+    def unsafe(_: bool) -> bool:
+        at_once = target.call("first_gain").bits != built_in
+        target.call("hysgen_simulated_boot")
+        return at_once or target.call("first_gain").bits != built_in
+
+    report("idle loop, an image with a wrong MAC", target, unsafe, "hysgen_simulated_idle")
+
+
+if __name__ == "__main__":
+    interrupts(machine())
+    images(machine())
