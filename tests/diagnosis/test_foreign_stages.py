@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record
+from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record, repeating_record
 from hysgen.diagnosis.procedure import name_causes
 
 MOST_WRONG = 3
@@ -20,3 +20,12 @@ def test_hidden_effects_are_named_on_foreign_stages() -> None:
             if set(names) != {"memory", *filter(None, [effect])}:
                 wrong[family, effect] = names
     assert len(wrong) <= MOST_WRONG, wrong
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("mode", [False, True])
+def test_what_repeats_with_the_command_may_be_misfit_and_is_no_mode_until_it_rings(family: str, mode: bool) -> None:
+    for seed in range(3):
+        names = name_causes(repeating_record(family, seed, mode)).names
+        assert set(names) == ({"memory", "resonance"} if mode else {"memory"})

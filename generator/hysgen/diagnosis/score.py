@@ -19,6 +19,7 @@ the order 3 of a frequency.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
@@ -30,10 +31,10 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
-from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, octaves, projector_off
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, Trace, octaves, projector_off
 from hysgen.diagnosis.probe.uncertainty import block_left_out_error
 from hysgen.model.remaining import LEAST_EVIDENCE
-from hysgen.record.series import SHORTEST_PLATEAU, dispersion, plateaus, residual_noise, resolution_um
+from hysgen.record.series import SHORTEST_PLATEAU, dispersion, period_of, plateaus, residual_noise, resolution_um
 
 Floats = NDArray[np.float64]
 
@@ -111,13 +112,16 @@ class Scored:
 
         left_out: the samples that count as one are found from `left_out_error`. The weights of this chain fit coloured
         noise too, most of all where they are many, so that its own residual looks whiter than the noise. Memory is then
-        judged by these samples alone: what is left of a vibration is no misfit of the hysteresis.
+        judged by these samples alone: what is left of a vibration is no misfit of the hysteresis. Where the command
+        repeats, whatever follows it does so too, and may be the misfit of the smaller chain.
         """
         rows, added = self.scene.rows, self._added_to(smaller.chain)
         error = self.left_out_error if left_out else self.fit.error[rows]
         few = dispersion(error, (smaller.fit.error - self.fit.error)[rows])
-        independent = self.independent_samples(few, apart=self._apart(smaller.chain, added, left_out))
-        if any(part.flexible for part in added):
+        apart = self._apart(smaller.chain, added, left_out)
+        independent = self.independent_samples(few, apart=apart)
+        follows = self.chain.memory == smaller.chain.memory and not apart and all(map(_repeats, self.scene.runs))
+        if follows or any(part.flexible for part in added):
             independent = min(independent, smaller.independent_samples(few))
         return smaller.score(independent) - self.score(independent) - self._moved_at_rest(smaller)
 
@@ -150,6 +154,12 @@ class Scored:
             return left_out and not added
         runs, Ts_s = self.scene.runs, self.scene.Ts_s
         return bool(added) and all(part.apart(runs, Ts_s) for part in added)
+
+
+@functools.lru_cache(maxsize=8)
+def _repeats(run: Trace) -> bool:
+    """Whether the command of a run is periodic."""
+    return period_of(run.u_V) is not None
 
 
 def resting_noise(scene: Scene, fit: Fit) -> float:
