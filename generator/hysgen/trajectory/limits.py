@@ -5,7 +5,8 @@
                 |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
 
 with y(k+1) = a(k) y(k) + b(k) u(k-d) + c(k), where c makes the line pass through the answer of the model to the last
-voltage. Each u is a line in two neighbouring y, so every matrix is banded. HiGHS solves it, by its interior point.
+voltage. The unknowns are u, t and the error above and below, whose sum is s: every row has few entries, and the range
+is a bound. HiGHS solves it, by its interior point.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored:
         w = applied(model.blocks, volts, model.Ts_s, model.w_range)[delay:]
         a, b = slope(model, y, w), memberships(y, model.grid) @ model.consequents[:, 1] * per_V
         c = answer[delay + 1 :] - a * y - b * volts[: volts.size - delay]
-        early = _programme((a, b, c), y_um[delay:], answer[delay:], float(volts[0]), limits, model.Ts_s)
+        early = _programme((a, b, c), y_um[delay:], float(y[0]), volts[: y.size], limits, model.Ts_s)
         aim = np.append(early, np.full(delay, early[-1]))
         aim = clipped(aim, limits, model.Ts_s) if limits.broken(aim, model.Ts_s) else aim
         # The limits are convex: every voltage between two inside them is inside them, too.
@@ -127,39 +128,35 @@ def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored:
 
 
 def _programme(
-    line: tuple[Floats, Floats, Floats], r: Floats, y: Floats, first_V: float, limits: Limits, Ts_s: float
+    line: tuple[Floats, Floats, Floats], r: Floats, y_um: float, last_V: Floats, limits: Limits, Ts_s: float
 ) -> Floats:
-    """The voltages, (n,), of one programme. line: a, b, c, (n,) each; r, y: (n + 1,) reference and last answer."""
+    """The voltages, (n,), of one programme. line: a, b, c, (n,) each, about last_V; r: (n + 1,) reference; y(0)."""
     a, b, c = line
     n = a.size
-    of_y = _neighbours(-a / b, 1.0 / b)
-    shift = c / b
-    low_V, high_V = np.full(n, limits.low_V), np.full(n, limits.high_V)
-    # The first voltage is that of the rest before.
-    low_V[0], high_V[0] = first_V - PINNED * (high_V[1] - low_V[1]), first_V + PINNED * (high_V[1] - low_V[1])
-    bounds = [(of_y, low_V + shift, high_V + shift)]
+    step = _neighbours(-a, np.ones(n))
     # From the rest before on, which is as high as the first voltage.
     change = _neighbours(-np.ones(n - 1), np.ones(n - 1))
-    bend = sparse.vstack([change[:1], _neighbours(-np.ones(n - 2), np.ones(n - 2)) @ change])
+    bend = sparse.vstack([change[:1], change[1:] - change[:-1]])
     rates = ((limits.slew_V_s, change, Ts_s), (limits.acceleration_V_s2, bend, Ts_s**2))
-    bounds += [
-        (matrix @ of_y, matrix @ shift - rate * unit_s, matrix @ shift + rate * unit_s)
-        for rate, matrix, unit_s in rates
-        if rate is not None
-    ]
-    unit, nothing = sparse.eye_array(n + 1, format="csr"), None
-    column = sparse.csr_matrix(np.ones((n + 1, 1)))
-    parts: list[list[Any]] = [[unit, -unit, nothing], [-unit, -unit, nothing], [nothing, unit, -column]]
-    parts += [[part, nothing, nothing] for matrix, _, _ in bounds for part in (matrix, -matrix)]
-    sides = np.concatenate([r, -r, np.zeros(n + 1), *(part for _, low, high in bounds for part in (high, -low))])
-    # The displacement begins where it rests.
-    begins: Any = [(y[0], y[0]), *[(None, None)] * n, (float(abs(y[0] - r[0])), None), *[(0.0, None)] * (n + 1)]
-    cost = np.concatenate([np.zeros(n + 1), np.full(n + 1, SPREAD / (n + 1)), [1.0]])
+    bounds = [(matrix, rate * unit_s) for rate, matrix, unit_s in rates if rate is not None]
+    unit, column, nothing = sparse.eye_array(n + 1), sparse.csr_array(np.ones((n + 1, 1))), None
+    # Of above, below, u and t.
+    parts: list[list[Any]] = [[unit, unit, sparse.csr_array((n + 1, n)), -column]]
+    parts += [[nothing, nothing, part, nothing] for matrix, _ in bounds for part in (matrix, -matrix)]
+    sides = np.concatenate([np.zeros(n + 1), *(np.full(2 * matrix.shape[0], most_V) for matrix, most_V in bounds)])
+    follows = sparse.block_array([[step, -step, -sparse.diags_array(b), sparse.csr_array((n, 1))]], format="csr")
+    # The displacement begins where it rests, and the first voltage is that of the rest before.
+    above, below, room_V = max(y_um - r[0], 0.0), max(r[0] - y_um, 0.0), PINNED * (limits.high_V - limits.low_V)
+    free = [(0.0, None)] * n
+    ends: Any = [(above, above), *free, (below, below), *free, (last_V[0] - room_V, last_V[0] + room_V)]
+    ends += [*[(limits.low_V, limits.high_V)] * (n - 1), (0.0, None)]
+    # Not of the mean but of the sum: its share lies above the rounding of a price.
+    cost = np.concatenate([np.full(2 * n + 2, SPREAD), np.zeros(n), [n + 1.0]])
     solve: Any = linprog
-    answer = solve(cost, sparse.block_array(parts, format="csr"), sides, bounds=begins, method="highs-ipm")
+    rows = sparse.block_array(parts, format="csr")
+    answer = solve(cost, rows, sides, follows, c - step @ r, bounds=ends, method="highs-ipm")
     # Without an answer the last voltage stays.
-    best = y if answer.x is None else answer.x[: n + 1]
-    return np.asarray(np.clip(of_y @ best - shift, limits.low_V, limits.high_V))
+    return last_V if answer.x is None else np.asarray(np.clip(answer.x[2 * n + 2 : -1], limits.low_V, limits.high_V))
 
 
 def _neighbours(here: Floats, next_to: Floats) -> Any:
