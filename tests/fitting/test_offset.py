@@ -9,6 +9,7 @@ import pytest
 
 import hysgen
 from hysgen.errors import ModelError
+from hysgen.model.model import Grid
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 
@@ -78,6 +79,9 @@ def test_generate_refuses_where_float32_does_not_resolve_half_the_noise(level_um
         ModelError, match=r"float32 has steps of 0\.000977 um, more than half the noise \(0\.0002\d+ um\); take 12"
     ):
         hysgen.generate(model)
+    for end_um in (3e38, 1e39, 1e200):
+        with pytest.raises(ModelError, match="is beyond float32; give it in a larger unit"):
+            hysgen.generate(dataclasses.replace(model, grid=Grid(1.0, end_um, 6)))
 
 
 def test_the_echo_shows_the_stroke_beside_a_large_offset() -> None:

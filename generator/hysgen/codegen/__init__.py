@@ -29,6 +29,7 @@ from hysgen.float32.reference.accuracy import Accuracy, accuracy
 from hysgen.machine.files import digest, write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
+from hysgen.model.intervals import LARGEST
 from hysgen.model.model import Model
 
 __all__ = ["Derived", "Options", "cost_figures", "generate", "marked_source", "tables", "write"]
@@ -107,9 +108,15 @@ def in_quantities(model: Model, path: str, text: str) -> str:
 
 
 def _require_resolution(model: Model) -> None:
-    """Raise ModelError if the step of float32 at the end of the displacement range exceeds half the noise."""
+    """Raise ModelError if the step of float32 at the end of the displacement range exceeds half the noise.
+
+    Also if float32 ends before it: references reach one width of the range beyond either end, three times its end.
+    """
     low_um, high_um = model.grid.y_min_um, model.grid.y_max_um
-    step_um = float(np.spacing(np.float32(max(abs(low_um), abs(high_um)))))
+    end_um = max(abs(low_um), abs(high_um))
+    if 3.0 * end_um > LARGEST:
+        raise ModelError(f"{model.name}: a displacement of {end_um:.3g} um is beyond float32; give it in a larger unit")
+    step_um = float(np.spacing(np.float32(end_um)))
     noise_um = float(model.scores.get("identification", {}).get("noise_floor", {}).get("rms_um", 0.0))
     if step_um > max(0.5 * noise_um, LEAST_RESOLVED * (high_um - low_um)):
         raise ModelError(

@@ -17,7 +17,7 @@ be read before the displacement that is to be predicted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,17 +53,8 @@ EQUAL_STEPS = 1e-6
 
 def left_out(runs: Sequence[Segment]) -> dict[str, str]:
     """The further columns to leave out, by name, with the reason. runs: of one file; all have the same columns."""
-    reasons = {}
-    for name in runs[0].aux:
-        reason = _reason([run.aux[name] for run in runs], runs)
-        if reason is not None:
-            reasons[name] = reason
-    return reasons
-
-
-def kept(aux: Mapping[str, Floats], without: Mapping[str, str]) -> dict[str, Floats]:
-    """The further columns that are not left out."""
-    return {name: values for name, values in aux.items() if name not in without}
+    reasons = ((name, _reason([run.aux[name] for run in runs], runs)) for name in runs[0].aux)
+    return {name: reason for name, reason in reasons if reason is not None}
 
 
 def _reason(columns: Sequence[Floats], runs: Sequence[Segment]) -> str | None:

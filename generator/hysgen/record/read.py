@@ -117,18 +117,15 @@ def record_csv(record: Record) -> str:
     Columns time_s, voltage_V, displacement_um, the further channels, and segment (0, 1, ...) if there are several.
     """
     voltage, displacement = record.quantities.columns
-    columns: dict[str, list[float]] = {"time_s": [], voltage: [], displacement: []}
-    columns.update((name, []) for name in record.aux_names)
-    if len(record.segments) > 1:
-        columns["segment"] = []
-    for number, segment in enumerate(record.segments):
-        columns["time_s"].extend(segment.start_s + k * record.Ts_s for k in range(segment.samples))
-        columns[voltage].extend(segment.u_V.tolist())
-        columns[displacement].extend(segment.y_um.tolist())
-        for name in record.aux_names:
-            columns[name].extend(segment.aux[name].tolist())
-        if "segment" in columns:
-            columns["segment"].extend([number] * segment.samples)
+    parts = record.segments
+    columns: dict[str, list[float]] = {
+        "time_s": [part.start_s + k * record.Ts_s for part in parts for k in range(part.samples)],
+        voltage: record.u_V.tolist(),
+        displacement: record.y_um.tolist(),
+    }
+    columns |= {name: [value for part in parts for value in part.aux[name].tolist()] for name in record.aux_names}
+    if len(parts) > 1:
+        columns["segment"] = [number for number, part in enumerate(parts) for _ in range(part.samples)]
     return write_csv(columns)
 
 

@@ -18,7 +18,7 @@ from hysgen.record.arrays import chosen_arrays, find, key_of
 from hysgen.record.checks import check_finite, check_marks, check_values
 from hysgen.record.columns import Columns, nearest, split_unit
 from hysgen.record.csv_text import CsvTable
-from hysgen.record.derived_channels import kept, left_out
+from hysgen.record.derived_channels import left_out
 from hysgen.record.formats import FileArrays
 from hysgen.record.formats.base import Array
 from hysgen.record.names import WORDS, to_paste, words_of
@@ -356,4 +356,5 @@ def _with_channels(runs: list[Segment], source: str, columns: Columns) -> tuple[
         f"{source}: column {name} is left out, for {reason}; --columns aux={name} keeps it"
         for name, reason in without.items()
     )
-    return [replace(run, aux=kept(run.aux, without)) for run in runs], lines
+    channels = [name for name in runs[0].aux if name not in without]
+    return [replace(run, aux={name: run.aux[name] for name in channels}) for run in runs], lines
