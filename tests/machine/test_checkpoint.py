@@ -36,7 +36,7 @@ def test_a_damaged_step_is_computed_anew(damage: str, tmp_path: Path, cache: Pat
         data.clear()
     elif damage == "flipped":
         data[len(data) // 2] ^= 1
-    x.write_bytes(y.read_bytes()[: len(data) // 2] + data[len(data) // 2 :] if damage == "swapped" else data)
+    x.write_bytes(y.read_bytes() if damage == "swapped" else data)
     np.testing.assert_array_equal(resumed(("x",), tmp_path, lambda: value), value)
     np.testing.assert_array_equal(resumed(("x",), tmp_path, lambda: value[:1]), value, "it is kept again")
 

@@ -64,7 +64,7 @@ def test_a_damaged_library_or_object_is_built_anew(cache: Path) -> None:
     other = build([("twice.c", SOURCE.replace("+ x", "- x"))], "double twice(double);")
     whole = Path(library).read_bytes()
     flipped = whole[:5000] + bytes([whole[5000] ^ 255]) + whole[5001:]
-    for damaged in (whole[: len(whole) // 2], b"", flipped, other.path.read_bytes()[:-40] + whole[-40:]):
+    for damaged in (whole[: len(whole) // 2], b"", flipped, other.path.read_bytes()):
         Path(library).unlink()
         Path(library).write_bytes(damaged)
         unit.write_bytes(damaged)

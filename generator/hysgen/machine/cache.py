@@ -18,7 +18,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from hysgen.errors import HysgenError
-from hysgen.machine.files import digest, sealed, unsealed, write_whole
+from hysgen.machine.files import digest, unsealed, write_sealed
 from hysgen.machine.native import cache_folder
 
 Result = TypeVar("Result")
@@ -129,7 +129,7 @@ def _kept(path: Path, compute: Callable[[], Result]) -> Result:
             return result
     result = compute()
     with contextlib.suppress(HysgenError, pickle.PickleError, TypeError, AttributeError):
-        write_whole(path, sealed(pickle.dumps(result)))
+        write_sealed(path, pickle.dumps(result))
     return result
 
 

@@ -58,18 +58,22 @@ SEAL = hashlib.sha256().digest_size
 """Bytes of the digest at the end of a file of the cache; a linker and a loader do not read them."""
 
 
-def sealed(data: bytes) -> bytes:
-    """The data with their digest behind them, for a file that has to be made again if it is damaged."""
-    return data + hashlib.sha256(data).digest()
+def write_sealed(path: Path, data: bytes) -> None:
+    """`write_whole`, with the digest of the name and the data behind the data: a damaged file has to be made again."""
+    write_whole(path, data + _seal(path, data))
 
 
 def unsealed(path: Path) -> bytes | None:
-    """The data of a file that `sealed` made; None if the file is missing, cut short or altered."""
+    """The data of a file of `write_sealed`; None if it is missing, cut short, altered, or another one of this kind."""
     try:
         data = path.read_bytes()
     except OSError:
         return None
-    return data[:-SEAL] if sealed(data[:-SEAL]) == data else None
+    return data[:-SEAL] if data[-SEAL:] == _seal(path, data[:-SEAL]) else None
+
+
+def _seal(path: Path, data: bytes) -> bytes:
+    return hashlib.sha256(path.name.encode() + b"\0" + data).digest()
 
 
 def _umask() -> int:

@@ -20,7 +20,7 @@ from typing import Any, Final
 from cffi import FFI
 
 from hysgen.errors import BuildError, HysgenError
-from hysgen.machine.files import digest, sealed, unsealed, write_whole
+from hysgen.machine.files import digest, unsealed, write_sealed
 from hysgen.machine.kernel_build import STRICT_FLAGS, compiler_call, export_flags, find_compiler
 
 INSTALL: Final = "install gcc or clang, or point CC at one; or, with pip alone, `pip install 'hysgen[compiler]'`"
@@ -173,7 +173,7 @@ def cached_object(
         with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
             compile_to(Path(scratch, "unit.o"))
             # Two processes may compile the same unit at once: one complete file is left.
-            write_whole(target, sealed(Path(scratch, "unit.o").read_bytes()))
+            write_sealed(target, Path(scratch, "unit.o").read_bytes())
     return target
 
 
@@ -218,4 +218,4 @@ def _build(
 
         objects = [compiled(name) for name in texts if name.endswith(".c")]
         run(*flags, *export_flags(names, Path(scratch)), "-shared", "-o", "out.so", *objects, *libraries)
-        write_whole(target, sealed(Path(scratch, "out.so").read_bytes()))
+        write_sealed(target, Path(scratch, "out.so").read_bytes())
