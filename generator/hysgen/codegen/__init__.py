@@ -46,6 +46,7 @@ ERROR_DIGITS: Final = 6
 """Digits of the errors found, in the manifest: a difference of 1e-6 of float64 numbers near 1 has 9 exact digits."""
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what float32 cannot hold is refused below, in one line
 def generate(model: Model | Derived, options: Options | None = None) -> dict[str, str]:
     """The text of every file of the generated folder, by file name.
 

@@ -7,13 +7,13 @@ machine or the clock. Reading executes no code and refuses unknown or malformed 
 from __future__ import annotations
 
 import json
-import math
 import os
+import sys
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,9 @@ from hysgen.model.model import SCHEMA, VERSION, Grid, Model
 from hysgen.model.path import InputBlock, block_from_json
 
 SUFFIX = ".json"
+
+Kind = TypeVar("Kind")
+KINDS = {"dict": "an object", "list": "a list", "str": "a string", "int": "a whole number"}
 
 _FIELDS = (
     "schema",
@@ -72,9 +75,11 @@ def parse_model(text: str, source: str) -> Model:
     except (ValueError, RecursionError) as fault:
         raise ModelError(f"{source}: is not a model file ({fault}); write it with hysgen fit") from fault
     try:
-        return _model(_object(data, "file"))
-    except ModelError as fault:
-        raise ModelError(f"{source}: {fault}") from fault
+        return _model(_as(dict, data, "file"))
+    except (ModelError, OverflowError) as fault:
+        # A name may be that of no character, or fill a page.
+        plain = "".join(c if c.isprintable() else repr(c)[1:-1] for c in str(fault))
+        raise ModelError(f"{source}: {plain if len(plain) <= 400 else plain[:397] + '...'}") from fault
 
 
 def model_of(given: Any) -> Model:
@@ -123,11 +128,11 @@ def _model(data: Mapping[str, Any]) -> Model:
         raise ModelError(f"version: {data.get('version')!r} is not {VERSION}; read it with the hysgen that wrote it")
     for unknown in data.keys() - set(_FIELDS):
         raise ModelError(f"{unknown}: no such field in version {VERSION}; remove it")
-    grid = _object(_get(data, "grid"), "grid")
+    grid = _as(dict, _get(data, "grid"), "grid")
     input_range = _numbers(_get(data, "input_range_V"), "input_range_V", 2)
-    rules = _integer(_get(grid, "rules", "grid."), "grid.rules")
+    rules = _as(int, _get(grid, "rules", "grid."), "grid.rules")
     return Model(
-        name=_string(_get(data, "name"), "name"),
+        name=_as(str, _get(data, "name"), "name"),
         Ts_s=_number(_get(data, "Ts_s"), "Ts_s"),
         grid=Grid(
             _number(_get(grid, "y_min_um", "grid."), "grid.y_min_um"),
@@ -138,19 +143,19 @@ def _model(data: Mapping[str, Any]) -> Model:
         consequents=np.array(
             [
                 _numbers(row, f"consequents[{i}]", 3)
-                for i, row in enumerate(_list(_get(data, "consequents"), "consequents"))
+                for i, row in enumerate(_as(list, _get(data, "consequents"), "consequents"))
             ]
         ).reshape(-1, 3),
         u_min_V=float(input_range[0]),
         u_max_V=float(input_range[1]),
-        terms=_terms(_list(_get(data, "terms"), "terms")),
+        terms=_terms(_as(list, _get(data, "terms"), "terms")),
         weights=_numbers(_get(data, "weights"), "weights"),
-        blocks=_blocks(_list(_get(data, "blocks"), "blocks")),
-        learner=LearnerSettings.from_json(_object(data["learner"], "learner")) if "learner" in data else None,
-        quantities=_quantities(_object(_get(data, "units"), "units")),
-        history=_object(_get(data, "history"), "history"),
-        scores=_object(_get(data, "scores"), "scores"),
-        certificates=_object(_get(data, "certificates"), "certificates"),
+        blocks=_blocks(_as(list, _get(data, "blocks"), "blocks")),
+        learner=LearnerSettings.from_json(_as(dict, data["learner"], "learner")) if "learner" in data else None,
+        quantities=_quantities(_as(dict, _get(data, "units"), "units")),
+        history=_as(dict, _get(data, "history"), "history"),
+        scores=_as(dict, _get(data, "scores"), "scores"),
+        certificates=_as(dict, _get(data, "certificates"), "certificates"),
     )
 
 
@@ -172,11 +177,11 @@ def _quantities(units: Mapping[str, Any]) -> Quantities:
 
 
 def _terms(entries: Sequence[Any]) -> tuple[Term, ...]:
-    return tuple(term_from_json(_object(entry, f"terms[{i}]")) for i, entry in enumerate(entries))
+    return tuple(term_from_json(_as(dict, entry, f"terms[{i}]")) for i, entry in enumerate(entries))
 
 
 def _blocks(entries: Sequence[Any]) -> tuple[InputBlock, ...]:
-    return tuple(block_from_json(_object(entry, f"blocks[{i}]")) for i, entry in enumerate(entries))
+    return tuple(block_from_json(_as(dict, entry, f"blocks[{i}]")) for i, entry in enumerate(entries))
 
 
 def _get(data: Mapping[str, Any], key: str, path: str = "") -> Any:
@@ -191,46 +196,20 @@ def _fault(field: str, value: Any, expected: str) -> ModelError:
     return ModelError(f"{field}: {shown} is not {expected}; write the file with hysgen, do not edit it")
 
 
-def _object(value: Any, field: str) -> Mapping[str, Any]:
-    if not isinstance(value, dict):
-        raise _fault(field, value, "an object")
-    return value
-
-
-def _list(value: Any, field: str) -> Sequence[Any]:
-    if not isinstance(value, list):
-        raise _fault(field, value, "a list")
-    return value
-
-
-def _string(value: Any, field: str) -> str:
-    if not isinstance(value, str):
-        raise _fault(field, value, "a string")
-    return value
-
-
-def _integer(value: Any, field: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise _fault(field, value, "a whole number")
+def _as(kind: type[Kind], value: Any, field: str) -> Kind:
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise _fault(field, value, KINDS[kind.__name__])
     return value
 
 
 def _number(value: Any, field: str) -> float:
-    # An integer beyond the range of float64 and a literal that overflows are refused too.
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(_as_float(value)):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise _fault(field, value, "a finite number")
     return float(value)
 
 
-def _as_float(value: int | float) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
-
-
 def _numbers(value: Any, field: str, size: int | None = None) -> NDArray[np.float64]:
-    entries = _list(value, field)
+    entries = _as(list, value, field)
     if size is not None and len(entries) != size:
         raise ModelError(f"{field}: {len(entries)} numbers instead of {size}; write the file with hysgen")
     return np.array([_number(entry, f"{field}[{i}]") for i, entry in enumerate(entries)], dtype=np.float64)

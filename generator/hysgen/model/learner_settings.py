@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from hysgen.errors import ModelError
+from hysgen.model.intervals import LARGEST
 
 GROUPS = ("slope", "gain", "offset")
 """Groups of parameters: q_l1, q_l2, q_l3 of every rule."""
@@ -114,7 +115,7 @@ class LearnerSettings:
         calls = data.pop("calls_per_update", 1)
         if calls != 1:
             raise ModelError(f"learner: calls_per_update {calls}: every update is one call now; fit again without it")
-        if "terms" in (data.get("learned") or ()):
+        if "terms" in str(data.get("learned")):
             raise ModelError("learner: learned terms: weights of terms are constant now; fit again with --learn rules")
         fields = {field.name: field for field in dataclasses.fields(cls)}
         for name in (*data.keys() - fields.keys(), *fields.keys() - data.keys()):
@@ -128,7 +129,7 @@ def _read(name: str, default: Any, value: Any) -> Any:
     """The value of a field, converted to the type of its default. Raises ModelError if it has another type."""
     if name == "learned" and isinstance(value, list) and all(isinstance(group, str) for group in value):
         return tuple(value)
-    number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    number = isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
     if isinstance(default, int) and number and isinstance(value, int):
         return value
     if name == "points" and number and isinstance(value, int):
