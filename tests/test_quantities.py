@@ -63,13 +63,13 @@ def test_all_that_is_printed_and_written_is_in_the_stated_quantities(
 
 def test_names_and_units_change_no_number(log: str) -> None:
     angle = hysgen.load_record(log, STATED)
+    assert list(angle.to_dataframe().columns) == ["time_s", *angle.quantities.columns]
     length = hysgen.load_record(log, "voltage=B_mT,voltage_unit=V,displacement=phi_deg,displacement_unit=um")
     ours, theirs = hysgen.fit(angle), hysgen.fit(length)
     assert dataclasses.replace(ours, quantities=theirs.quantities) == theirs
     lines = [str(hysgen.score(ours, angle)), OTHER.text(str(hysgen.score(theirs, length)))]
     assert len({re.sub(r"[\s-]+", " ", text) for text in lines}) == 1
-    labels = [text.get_text() for text in angle.plot().figure.findobj(Text)]
-    assert "angle [deg]" in labels
+    assert "angle [deg]" in (labels := [text.get_text() for text in angle.plot().figure.findobj(Text)])
     assert not any(map(OWN_UNITS.search, labels))
     for target in ("fmu", "a2l", "shared"):
         made, plain = export_texts(ours, target), export_texts(theirs, target)

@@ -119,7 +119,7 @@ class Record(Displayed):
         return cls.from_segments(*parts_of_frame(frame, columns))
 
     def to_dataframe(self) -> Any:
-        """A pandas DataFrame with time_s, voltage_V, displacement_um, the further channels, and segment if several.
+        """A pandas DataFrame with time_s, both quantities, the further channels, and segment if several.
 
         Raises RecordError without pandas.
         """
@@ -127,7 +127,8 @@ class Record(Displayed):
             pandas = importlib.import_module("pandas")
         except ModuleNotFoundError as fault:
             raise RecordError("pandas is not installed; pip install pandas to make a DataFrame") from fault
-        content: dict[str, Any] = {"time_s": self.time_s, "voltage_V": self.u_V, "displacement_um": self.y_um}
+        voltage, displacement = self.quantities.columns
+        content: dict[str, Any] = {"time_s": self.time_s, voltage: self.u_V, displacement: self.y_um}
         content |= {name: np.concatenate([part.aux[name] for part in self.segments]) for name in self.aux_names}
         if len(self.segments) > 1:
             content["segment"] = np.repeat([part.name for part in self.segments], [p.samples for p in self.segments])
