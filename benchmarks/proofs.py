@@ -81,8 +81,8 @@ REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
         PAPER,
         "predict",
         "float32.reference.rules",
-        "((y_um * sums.slope + sums.offset) + w",
-        "(y_um * sums.slope + (sums.offset + w",
+        "((y_um * sums.slope + sums.offset) + w * sums.gain)",
+        "(y_um * sums.slope + (sums.offset + w * sums.gain))",
     ),
     (PAPER, "inverse", "float32.reference.rules", "y_next_um * sums.weight - (y_um", "y_next_um * sums.gain - (y_um"),
     (
@@ -156,7 +156,7 @@ REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
         "learn",
         "float32.reference.learner",
         "before = before + f[j] * g[j]",
-        "before = f[j] * g[j] + before * _ONE * _ONE",
+        "before = before + f[j] * f[j]",
     ),
     (
         LEARNER,
