@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 import shlex
@@ -20,16 +21,19 @@ from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
+from hysgen.errors import FitError, ModelError
 from hysgen.export import export_texts, exports, write_export
 from hysgen.export.fmu import _binary
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.host import HostImage
 from hysgen.firmware.image import Label, encode
 from hysgen.firmware.wire import image_frames
+from hysgen.fitting import FitSettings
 from hysgen.machine import kernels
 from hysgen.machine.kernel_build import build_kernels
 from hysgen.machine.native import default_toolchain, externals
 from hysgen.model.file import load_model
+from hysgen.model.names import TAKEN
 from hysgen_c674x.translation import compiled
 from hysgen_lab.stage import state
 from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
@@ -298,3 +302,20 @@ def functions(library: Path) -> set[str]:
     nm = subprocess.run(["nm", "--defined-only", library], capture_output=True, text=True, check=True).stdout
     names = {name for _, kind, name in map(str.split, nm.splitlines()) if kind in "tTiW" and name.isidentifier()}
     return {name for name in names if name[0] != "_" and not name.endswith(("tm_clones", "frame_dummy"))}
+
+
+def test_a_model_has_no_name_of_a_header_type_or_file_that_its_code_stands_beside() -> None:
+    model = load_model("firmware/models/appendix_a/appendix_a.json")
+    files = [path for path in firmware_folder().rglob("*.[ch]") if "models" not in path.parts]
+    text = "\n".join([*(path.read_text(encoding="utf-8") for path in files), *generate(model).values()])
+    defined = {name for pair in re.findall(r"\}\s*(\w+)_t;|typedef [^;{]*\b(\w+)_t;", text) for name in pair}
+    types = {name for name in re.findall(r"\b(?!model_)([a-z]\w*?)_t\b", text)} - defined
+    headers = set(re.findall(r"#include <(\w+)\.h>", text))
+    assert "stdint" in headers
+    assert "uint32" in types
+    assert headers | types | {path.stem for path in files if path.parent.name == "controller"} <= TAKEN
+    for name in (*TAKEN, "Upper", "with-dash"):
+        with pytest.raises(ModelError, match=r"^name: "):
+            dataclasses.replace(model, name=name)
+    with pytest.raises(FitError, match=r"^name: float "):
+        FitSettings(name="float")

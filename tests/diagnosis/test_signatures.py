@@ -112,9 +112,10 @@ TRUE: list[tuple[str, Chain, Floats | float, dict[str, float], Extension]] = [
      Extension(term=Coupling(("axis2_V",), (AXIS2_V.min(),), (AXIS2_V.max(),)))),
     ("aging", AGING, AGED_UM, {"per_s": 0.003, "fraction": 0.003 * SPAN_S},
      Extension(correction=GainChange(0.003, 0.0, T_S[-1]), forgetting_s=0.35 * SPAN_S)),
-    ("drift", DRIFTING, 0.05 * T_S / SPAN_S, {"ramp_um_per_s": 0.05 / SPAN_S}, Extension(correction=Trend(0.0125))),
+    ("drift", DRIFTING, 0.05 * T_S / SPAN_S, {"ramp_um_per_s": 0.05 / SPAN_S},
+     Extension(correction=Trend(0.0125, None, SPAN_S))),
     ("drift", LAG.having(DriftPart(0.2)), 0.03 * trend_course(T_S, 0.2), {"um_per_decade": 0.03, "since_s": 0.2},
-     Extension(correction=Trend(0.03, 0.2))),
+     Extension(correction=Trend(0.03, 0.2, SPAN_S))),
 ]  # fmt: skip
 
 

@@ -10,13 +10,16 @@ from fixtures.bank_records import built, measured, prepared_of, record_of
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart, GainChange
 from hysgen.diagnosis.causes.drift import DriftPart, Trend
-from hysgen.diagnosis.ladder import blockwise_confidence, combined_confidence, gain
+from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.ladder import blockwise_confidence, combined_confidence, fit_ladder, gain
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Operator, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import search
 from hysgen.errors import RecordError
+from hysgen.fitting import FitSettings
+from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.studies.bank.excitation import good
 from hysgen_lab.studies.bank.scenario import scenario
@@ -156,3 +159,13 @@ def test_refinement_keeps_the_start_of_a_drift_within_its_bounds() -> None:
     (drift,) = fit.chain.parts
     assert isinstance(drift, DriftPart)
     assert 0.0 < (drift.since_s or 0.0) <= SPAN_S
+
+
+def test_a_model_beside_a_drift_has_the_level_of_the_end_of_the_identified_rows() -> None:
+    (run,) = drifting(0.1 * np.arange(SAMPLES) / SAMPLES).runs
+    record = Record.from_arrays(run.u_V, run.y_um, TS_S)
+    prepared = prepare(record)
+    extensions = {"drift": Extension(correction=Trend(0.1 / SPAN_S, None, prepared.cut * TS_S))}
+    model = fit_ladder(prepared, extensions, ["drift"], FitSettings()).model
+    late_um = (free_run(model, record)[0].y_um - run.y_um)[prepared.cut - 200 : prepared.cut]
+    assert abs(late_um.mean()) < 0.005  # of 0.065 um of drift until there

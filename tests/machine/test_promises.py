@@ -315,5 +315,5 @@ def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(
         raise HysgenError("full")
 
     monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(cache, "write_whole", full)
+    monkeypatch.setattr(cache, "write_sealed", full)
     assert cache.resumed(("x",), tmp_path, lambda: 7) == 7

@@ -28,6 +28,11 @@ class Correction(abc.ABC):
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
         """(n,) displacement y_um without the slow change [um]; t_s: (n,) time since the start of the segment."""
 
+    @property
+    def level_um(self) -> float:
+        """What of the change is the level of the model, which the displacement has without it."""
+        return 0.0
+
     def course(self, t_s: Floats, predicted_um: Floats) -> Floats:
         """(n,) the change with size 1: its size in another record is unknown. predicted_um: (n,) of a model."""
         return -self.removed(np.zeros(len(t_s)), t_s)
@@ -43,7 +48,7 @@ def corrected(segment: Segment, corrections: Sequence[Correction], Ts_s: float) 
     y_um = segment.y_um
     for correction in corrections:
         y_um = correction.removed(y_um, time_s)
-    return dataclasses.replace(segment, y_um=y_um)
+    return dataclasses.replace(segment, y_um=y_um + sum(correction.level_um for correction in corrections))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from hysgen.errors import FitError
 from hysgen.fitting.least_squares import Weighting
 from hysgen.fitting.operator import PathSize
 from hysgen.model.disturbances import Term
+from hysgen.model.names import TAKEN
 from hysgen.model.path import InputBlock
 from hysgen.model.regression import Starts, Trust
 
@@ -66,6 +67,7 @@ class FitSettings:
     def __post_init__(self) -> None:
         if self.method not in get_args(Method):
             raise FitError(f"method: {self.method!r} is unknown; choose one of {', '.join(get_args(Method))}")
+        _demand(self.name not in TAKEN, "name", self.name, "no word, header or type of C, nor a file of hysgen's")
         for field, kind in (("rules", "whole"), ("iterations", "whole"), *((one, "real") for one in REALS)):
             value = getattr(self, field)
             if not isinstance(value, numbers.Integral if kind == "whole" else numbers.Real):
@@ -106,6 +108,6 @@ class FitSettings:
         }
 
 
-def _demand(holds: bool, field: str, value: float, domain: str) -> None:
+def _demand(holds: bool, field: str, value: object, domain: str) -> None:
     if not holds:
         raise FitError(f"{field}: {value} is out of range; it must be {domain}")

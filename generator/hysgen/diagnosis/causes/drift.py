@@ -61,14 +61,22 @@ def trend_course(t_s: Floats | float, since_s: float | None) -> Floats:
 
 @dataclass(frozen=True)
 class Trend(Correction):
-    """The drift over a segment: size_um times `trend_course`, i.e. um per second, or per decade if it slows down."""
+    """The drift over a segment: size_um times `trend_course`, i.e. um per second, or per decade if it slows down.
+
+    level_s: end of the identified rows; the level of the model is that of the stage from then on.
+    """
 
     size_um: float
     since_s: float | None = None
+    level_s: float = 0.0
 
     def at(self, t_s: Floats) -> Floats:
         """(n,) um at times t_s after the start of a segment."""
         return self.size_um * trend_course(t_s, self.since_s)
+
+    @property
+    def level_um(self) -> float:
+        return self.size_um * float(trend_course(self.level_s, self.since_s))
 
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
         """y - drift(t)"""
@@ -198,7 +206,7 @@ class DriftCause(Cause):
 def _drift(scene: Scene, fit: Fit) -> Trend:
     """The drift of a fit."""
     weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), fit.chain.of(DriftPart).since_s
-    return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s)
+    return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s, scene.span_s)
 
 
 def _seen(residual: Residual, direction: float) -> float:
