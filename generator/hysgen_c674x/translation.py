@@ -54,7 +54,7 @@ def engine(packets: Mapping[int, Packet]) -> Engine:
 
     def run(processor: Processor, cycle_limit: int) -> RunCounts:
         state, trace = initial(library, processor), processor.trace
-        state.cycle_limit, state.skipped = cycle_limit, processor.skipped
+        state.cycle_limit = cycle_limit
         state.trace, state.trace_room = library.ffi.from_buffer("uint64_t[]", trace.words), trace.room
         library.lib.c674x_run(state)
         if state.fault:
@@ -83,6 +83,7 @@ def initial(library: Library, processor: Processor) -> Any:
     state.read_only_end = processor.read_only_end
     state.program_counter, state.return_address = processor.program_counter, RETURN_ADDRESS
     state.lowest_stack_pointer, state.interrupt_overhead = MASK, INTERRUPT_OVERHEAD
+    state.skipped = processor.skipped
     if processor.devices is not None:
         state.devices = library.ffi.cast("void *", processor.devices.handle_address)
         for name in ("device_load", "device_store", "device_events"):
