@@ -81,7 +81,7 @@ def test_loops_of_a_lag_faster_than_the_sampling_stay_below_its_rate() -> None:
 
 @pytest.mark.slow
 def test_a_comparison_has_the_numbers_of_both_models_in_text_and_json() -> None:
-    old, new = lag("old"), lag("new", 0.0018, weights=(1e-4, 2e-4, 1.5))
+    old, new = lag("old"), lag("later", 0.0018, weights=(1e-4, 2e-4, 1.5))
     new = dataclasses.replace(new, grid=Grid(-5.0, 16.0, 6))
     record = lag_record(samples=400)
     found = compare(old, new, [record])
@@ -101,7 +101,7 @@ def test_a_comparison_has_the_numbers_of_both_models_in_text_and_json() -> None:
     assert found.scores == (("lag", *errors),)
     told = json.loads(json.dumps(found.to_json()))
     assert told["free_run_rms_um"] == [{"record": "lag", "old": errors[0], "new": errors[1]}]
-    assert (told["old"], told["new"]) == ("old", "new")
+    assert (told["old"], told["new"]) == ("old", "later")
     assert told["changes"][1] == dataclasses.asdict(high) | {"percent": high.percent}
     assert told["centres_um"] == [list(pair) for pair in found.centres_um]
     assert told["rules_change"] == [list(rule) for rule in found.rules]
@@ -128,8 +128,8 @@ def test_a_comparison_is_written_with_signs_units_and_the_number_of_each_rule() 
 
 def test_models_with_other_terms_or_blocks_are_not_compared() -> None:
     old = lag("old")
-    other = dataclasses.replace(old, name="new", terms=TERMS[:1], weights=np.zeros(2), blocks=(Saturation(0.0, 90.0),))
-    said = r"old and new: structures differ \(6 rules, periodic of 2, drift of 1 against 6 rules, periodic of 2, satur"
+    other = dataclasses.replace(old, name="two", terms=TERMS[:1], weights=np.zeros(2), blocks=(Saturation(0.0, 90.0),))
+    said = r"old and two: structures differ \(6 rules, periodic of 2, drift of 1 against 6 rules, periodic of 2, satur"
     with pytest.raises(ModelError, match=said):
         compare(old, other)
 
@@ -159,7 +159,7 @@ def test_a_structure_fits_within_half_more_of_the_old_error_or_near_the_noise(
 
 def test_a_refit_keeps_every_narrower_limit() -> None:
     old = lag("old").within((0.0, 10.0), (10.0, 90.0))
-    new = dataclasses.replace(lag("new"), scores={"x": 1}, certificates={"y": 2})
+    new = dataclasses.replace(lag("later"), scores={"x": 1}, certificates={"y": 2})
     both = restricted_as(old, new)
     assert (both.grid.y_min_um, both.grid.y_max_um, both.u_min_V, both.u_max_V) == (0.0, 10.0, 10.0, 90.0)
     assert (both.scores, both.certificates) == ({}, {})
