@@ -184,7 +184,8 @@ def path_model(problem: PathColumns, trust: Trust) -> tuple[Model, list[Floats]]
     size = operator.size
     a_left = 1.0 - exp(-task.record.Ts_s / lag_s)
     # What is left of the past at the end cannot be told from the sensor's zero: the model goes on from there.
-    crept_um = [weights[:size] @ crept(task, segment) for segment in task.record.segments]
+    rested, segments = task.past is None, task.record.segments
+    crept_um = [np.zeros(part.samples) if rested else weights[:size] @ crept(task, part) for part in segments]
     left_um = float(crept_um[-1][-1])
     dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
     block = operator.block(weights[:size], (float(weights[size]) + left_um) / dc)

@@ -63,7 +63,8 @@ def held_windows(task: PathTask) -> list[HeldWindow]:
     held = []
     for segment in task.record.segments:
         columns, extra = _behind(task, segment)
-        columns += crept(task, segment)
+        if task.past is not None:
+            columns += crept(task, segment)
         for at in windows(segment.samples, task.record.samples):
             held.append(HeldWindow(columns[:, at].copy(), extra[:, at].copy()))
     return held
