@@ -105,7 +105,7 @@ def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.Cap
         (["fit", "{record}", "--rows", "9000:10", "-o", "x.json"], "rows: '9000:10'"),
         (
             ["fit", "{record}", "--rules", "1", "-o", "x.json"],
-            "hysgen fit: --rules 1: is not supported; choose 2 to 256",
+            "hysgen fit: --rules 1: is not supported; choose 2 to 64",
         ),
         (["fit", "{record}", "--forgetting", "1.5", "-o", "x.json"], "forgetting: 1.5"),
         (["fit", "{record}", "--columns", "speed=u_V", "-o", "x.json"], "speed"),

@@ -88,7 +88,7 @@ def test_completion_knows_every_verb_and_option() -> None:
 def test_options_out_of_range_are_said_before_the_computation(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fit = ["fit", "r.csv", "-o", "m.json", "--method", "batch", "--columns", "time=t,voltage=a,displacement=b"]
     for option, said in (
-        (["--rules", "300"], "--rules 300: is not supported; choose 2 to 256"),
+        (["--rules", "300"], "--rules 300: is not supported; choose 2 to 64"),
         (["--jitter", "-1"], "jitter: -1 is no share of the sampling period"),
     ):
         assert main([*fit, *option]) == 2

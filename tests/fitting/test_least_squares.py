@@ -106,6 +106,12 @@ def test_triangularisation_keeps_the_sum_of_squares_and_the_condition() -> None:
     assert not np.tril(factor, -1).any()
 
 
+def test_a_column_whose_square_is_no_number_changes_nothing() -> None:
+    factor = np.eye(2)
+    triangularise(factor, np.array([[1e-160, 1.0]]))  # a rule 27 steps away, weighted by its own strength
+    np.testing.assert_allclose(np.abs(factor), [[1.0, 0.0], [0.0, 2.0**0.5]], rtol=1e-15)
+
+
 def test_the_partition_is_the_range_of_the_displacement_over_all_segments() -> None:
     record = lag_record(samples=500, segments=3)
     low = min(float(segment.y_um.min()) for segment in record.segments)

@@ -30,7 +30,8 @@ from hysgen.model.path import InputBlock, check_chain, path_range
 
 Floats = NDArray[np.float64]
 
-MOST_RULES = 256
+MOST_RULES = 64
+"""Rules up to which fit, generate and verify end within two minutes; the time of a fit grows with their cube."""
 MOST_TS_S = 1e6
 """Sampling period from which on nothing of a stage is sampled; in ns it is a whole number below 2^50."""
 

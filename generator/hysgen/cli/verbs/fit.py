@@ -41,7 +41,7 @@ def fit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="MODEL", help="model file to write (JSON)")
     parser.add_argument("--rows", metavar="A:B", help="use rows A to B of the joined records, B excluded")
     parser.add_argument("--name", help="prefix of the C functions (default: the name of the model file)")
-    parser.add_argument("--rules", type=int, default=defaults.rules, help="fuzzy rules L (default %(default)s)")
+    parser.add_argument("--rules", type=int, default=defaults.rules, help=f"2 to {MOST_RULES} (default %(default)s)")
     parser.add_argument(
         "--method",
         choices=("rls", "batch", "refined"),

@@ -5,6 +5,7 @@
  * Column j of R has one element that is not zero at or below row j, so its Householder vector is [R_jj; A_j] and the rows
  * of R below j stay untouched. Loops run along rows, which lie together in memory. */
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -19,8 +20,8 @@ static void one_block(size_t rows, size_t size, double *restrict R, double *rest
         for (size_t i = 0; i < rows; ++i) {
             square += A[i * size + j] * A[i * size + j];
         }
-        if (square == 0.0) {
-            continue;
+        if (square < DBL_MIN) {
+            continue; /* 2 / |v|^2 would be infinite; elements below 1e-154 change no other */
         }
         const double length = sqrt(Rj[j] * Rj[j] + square);
         /* The sign that adds, so that head = R_jj + sign length cannot cancel. */
