@@ -6,8 +6,7 @@ A certain finding is refused, a likely one is a warning: a valid record must not
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
-from itertools import chain
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +43,8 @@ def check_marks(runs: Sequence[Segment], unit_V: float = 1.0, unit_um: float = 1
     unit_V, unit_um: what one in the file is.
     """
     for run in runs:
-        named = ((run.origin.voltage, run.u_V / unit_V), (run.origin.displacement, run.y_um / unit_um))
-        for name, values in chain(named, run.aux.items()):
+        in_file = replace(run, u_V=run.u_V / unit_V, y_um=run.y_um / unit_um)
+        for name, values in in_file.channels():
             rows = np.isfinite(values) & (np.abs(values) >= NO_READING)
             what = "as instruments write for an overload or for no reading"
             ends = values[np.isfinite(values)]
@@ -114,7 +113,7 @@ def check_values(runs: Sequence[Segment], accept: Collection[str] = ()) -> tuple
 
 def check_finite(run: Segment) -> None:
     """Refuse channels of different length, with NaN or infinity (naming the first row), or of fewer than 3 samples."""
-    for name, values in chain([(run.origin.voltage, run.u_V), (run.origin.displacement, run.y_um)], run.aux.items()):
+    for name, values in run.channels():
         finite = np.isfinite(values)
         if not finite.all():
             row = int(np.argmin(finite))

@@ -26,7 +26,7 @@ from hysgen.record.columns import Columns, plain_unit, split_unit
 from hysgen.record.formats.base import FileArrays, Text
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, guessed, has_time
-from hysgen.record.spelling import UnreadableError, is_clock, number, quantity, values_of
+from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, quantity, values_of
 from hysgen.record.text import as_table, text_of, unwrapped
 
 
@@ -355,7 +355,7 @@ def _rows(layout: Layout, use: Sequence[int]) -> tuple[list[Row], list[int], lis
     other: list[Row] = []
     for line, cells in layout.rows():
         place = use[0] if use and use[0] < len(cells) else 0
-        if not layout.is_value(cells[place]):
+        if not is_value(cells[place], layout.comma):
             other.append((line, cells))
             continue
         if other:

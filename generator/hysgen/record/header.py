@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from hysgen.record.columns import UNITS, VOCABULARY, plain_unit
 from hysgen.record.names import roles_in
-from hysgen.record.spelling import CANDIDATES, has_label, is_clock, is_data, number, quantity, split, split_header
+from hysgen.record.spelling import CANDIDATES, has_label, is_data, is_value, number, split, split_header
 
 HEADER_LINES = 12
 """Lines above the table among which the header is looked for."""
@@ -72,10 +72,6 @@ def below_header(source: str, lines: Sequence[str], at: int, separator: str) -> 
     if first is None or not data or first == data[0]:
         return at, ()
     return first - 1, (f"{source}: the table begins in line {first + 1}",)
-
-
-def is_value(text: str) -> bool:
-    return quantity(text, False) is not None or quantity(text, True) is not None or is_clock(text)
 
 
 def matching(line: str, start: Start) -> tuple[str, ...]:
@@ -159,7 +155,10 @@ def preamble_of(lines: Sequence[str], separator: str, fields: int) -> Preamble:
     if units and horizontal and not units[0] and not names:
         units = (horizontal, *units[1:])
     if names and units:
-        names = tuple(name or ("time" if _is_time(unit) else "") for name, unit in zip(names, units, strict=True))
+        names = tuple(
+            name or ("time" if plain_unit(unit) in UNITS["time"] else "")
+            for name, unit in zip(names, units, strict=True)
+        )
     return Preamble(names, units, _period(lines, separator))
 
 
@@ -230,7 +229,3 @@ def _period(lines: Sequence[str], separator: str) -> float | None:
             if value and value > 0.0 and factor is not None and not bare:
                 return 1.0 / (value * factor)
     return None
-
-
-def _is_time(unit: str) -> bool:
-    return plain_unit(unit) in UNITS["time"]

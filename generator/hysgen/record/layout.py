@@ -21,7 +21,6 @@ from hysgen.record.header import (
     are_units,
     below_header,
     header,
-    is_value,
     labels_names,
     preamble_of,
     unique,
@@ -31,8 +30,8 @@ from hysgen.record.spelling import (
     CANDIDATES,
     COMMENT,
     THOUSANDS,
-    is_clock,
     is_data,
+    is_value,
     quantity,
     split,
     split_header,
@@ -76,10 +75,6 @@ class Layout:
         for position, line in enumerate(io.StringIO(self.body), self.first):
             if is_data(line):
                 yield position, split(line, self.separator)
-
-    def is_value(self, cell: str) -> bool:
-        """Whether a cell is a number, with or without a unit, or a time of day."""
-        return quantity(cell, self.comma) is not None or is_clock(cell)
 
     def locate(self, row: int) -> str:
         """The line of a row of numbers."""
@@ -233,7 +228,7 @@ def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int
     position = 0
     while position < len(data):
         rows = [split(lines[i], separator) for i in data[position : position + ALIKE]]
-        counts = [_numeric(row, comma) for row in rows]
+        counts = [sum(is_value(cell, comma) for cell in row) for row in rows]
         worded = {_worded(row, comma) for row in rows}
         if min(counts) < 2 or len({len(row) for row in rows}) > 1 or len(worded) > 1:
             position += 1
@@ -244,21 +239,18 @@ def _begin(lines: list[str], separator: str, comma: bool) -> tuple[int, int, int
         if best[2] == best[3]:
             break
         position += ALIKE
-        while position < len(data) and _numeric(row := split(lines[data[position]], separator), comma) >= 2:
-            if len(row) != len(rows[0]) or {_worded(row, comma)} != worded:
+        while position < len(data):
+            row = split(lines[data[position]], separator)
+            alike = len(row) == len(rows[0]) and {_worded(row, comma)} == worded
+            if not alike or sum(is_value(cell, comma) for cell in row) < 2:
                 break
             position += 1
     return best
 
 
-def _numeric(row: Sequence[str], comma: bool) -> int:
-    return sum(quantity(one, comma) is not None or is_clock(one) for one in row)
-
-
 def _worded(row: Sequence[str], comma: bool) -> bool:
     """Whether a row begins with a word, as a setting does."""
-    first = next(filter(None, row), "")
-    return quantity(first, comma) is None and not is_clock(first)
+    return not is_value(next(filter(None, row), ""), comma)
 
 
 def _check_upright(source: str, lines: Sequence[str], at: int, separator: str) -> None:

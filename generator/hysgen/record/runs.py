@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, starmap
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from hysgen.record.columns import Columns, nearest, split_unit
 from hysgen.record.csv_text import CsvTable
 from hysgen.record.derived_channels import left_out
 from hysgen.record.formats import FileArrays
-from hysgen.record.formats.base import Array
+from hysgen.record.formats.base import Array, Series, collected
 from hysgen.record.names import WORDS, to_paste, words_of
 from hysgen.record.names import doubts as doubts_of_units
 from hysgen.record.overflow import mended
@@ -287,15 +287,11 @@ def parts_of_frame(frame: Any, columns: Columns | str | Mapping[str, Any] | None
         values = np.asarray(index)
         arrays["time" if values.dtype.kind in "mM" else str(index.name or "time")] = values
     for name, values in arrays.items():
-        if values.dtype.kind in "mM":
-            stamps = values.astype("datetime64[ns]" if values.dtype.kind == "M" else "timedelta64[ns]")
-            arrays[name] = (stamps - stamps[0]).astype(np.int64) * 1e-9
-        elif values.dtype.kind in "OUT":
+        if values.dtype.kind in "OUT":
             with contextlib.suppress(ValueError, TypeError):
                 arrays[name] = values.astype(np.float64)
-    numeric = {name: values for name, values in arrays.items() if values.dtype.kind in "fiub"}
     try:
-        content = of_file_arrays("DataFrame", FileArrays(numeric), columns_of(columns))
+        content = of_file_arrays("DataFrame", collected(starmap(Series, arrays.items())), columns_of(columns))
         return checked("DataFrame", content, JITTER, (), False)
     except RecordError as fault:
         raise RecordError(re.sub(r'--columns ("[^"]*"|[^\s;,]+)', _as_argument, str(fault))) from fault

@@ -127,8 +127,7 @@ def _check_rising(run: Segment) -> None:
     finite = np.isfinite(run.stamps_s)
     if not finite.all():
         row = int(np.argmin(finite))
-        where = f"{run.origin.at(row)}: {run.origin.time}"
-        raise RecordError(f"{where} is {run.stamps_s[row]}; write its time")
+        raise RecordError(f"{run.origin.at(row)}: {run.origin.time} is {run.stamps_s[row]}; write its time")
     steps = np.diff(run.stamps_s)
     if (steps > 0.0).all():
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -74,7 +74,7 @@ class Segment:
         object.__setattr__(self, "aux", aux)
         object.__setattr__(self, "stamps_s", _channel(self.stamps_s, self.origin.time, self.name))
         stamps = ((self.origin.time, self.stamps_s),) if self.stamps_s.size else ()
-        for key, values in (*stamps, (self.origin.displacement, self.y_um), *aux.items()):
+        for key, values in (*stamps, *self.channels()):
             if values.size != u_V.size:
                 raise RecordError(
                     f"{self.origin.source or f'segment {self.name}'}: {key} has {values.size} samples, "
@@ -90,6 +90,10 @@ class Segment:
     def past_samples(self) -> int:
         """Number of known samples before the first."""
         return self.past.past_samples + self.past.samples if self.past is not None else 0
+
+    def channels(self) -> Iterator[tuple[str, NDArray[np.float64]]]:
+        """Every channel with its name in the file."""
+        yield from ((self.origin.voltage, self.u_V), (self.origin.displacement, self.y_um), *self.aux.items())
 
     def whole(self) -> Segment:
         """The segment with its past as samples of its own."""

@@ -129,6 +129,11 @@ def _in_unit_of_first(row: int, text: str, comma: bool, unit: str) -> float:
     raise UnreadableError(row, f"'{text}', not a number" if text else "empty")
 
 
+def is_value(text: str, *commas: bool) -> bool:
+    """Whether `text` is a time of day, or a number, with or without a unit, by one of these decimal signs."""
+    return any(quantity(text, comma) is not None for comma in commas or (False, True)) or is_clock(text)
+
+
 def is_clock(text: str) -> bool:
     """Whether `text` is a time of day, with or without a date."""
     return CLOCK.fullmatch(text) is not None

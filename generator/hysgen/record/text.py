@@ -170,14 +170,6 @@ def _tektronix(text: str) -> str:
     return "\n".join([f"{','.join(names)}\n{rows[0]}", *rows[1:]])
 
 
-def _formulas(text: str) -> str:
-    return _FORMULA.sub(r"\1", text)
-
-
-def _strokes(text: str) -> str:
-    return text.replace("'", "")
-
-
 FORMS: tuple[tuple[Callable[[list[str]], bool], Callable[[str], str], str], ...] = (
     (lambda head: head[0].strip() == "IGOR", _igor, "is Igor text; its first block of waves is read"),
     (
@@ -194,12 +186,12 @@ FORMS: tuple[tuple[Callable[[list[str]], bool], Callable[[str], str], str], ...]
     ),
     (
         lambda head: all(_FORMULA.search(line) for line in head),
-        _formulas,
+        lambda text: _FORMULA.sub(r"\1", text),
         'its cells are formulas (="1.5"); their values are read',
     ),
     (
         lambda head: len(head) > 2 and all(_ONE_STROKE.fullmatch(line) for line in head),
-        _strokes,
+        lambda text: text.replace("'", ""),
         "the quotes around its cells are left out",
     ),
 )  # fmt: skip

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,30 @@ class FileArrays:
     units: Mapping[str, str] = field(default_factory=dict)
     Ts_s: float | None = None
     remarks: tuple[str, ...] = ()
+
+
+class Series(NamedTuple):
+    """A series as a reader meets it: its name, its values, their unit and their sampling period, where stated."""
+
+    name: str
+    values: Array
+    unit: str = ""
+    period_s: float = 0.0
+
+
+def collected(series: Iterable[Series]) -> FileArrays:
+    """Those of numbers or of times, which become s, under their names; the sampling period if all state the same."""
+    arrays: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    periods: set[float] = set()
+    for name, values, unit, period_s in series:
+        if values.dtype.kind in "mM":
+            values, unit = seconds(values), "s"
+        if values.dtype.kind in "fiub":
+            arrays[name] = values
+            units |= {name: unit} if unit else {}
+            periods |= {period_s} - {0.0}
+    return FileArrays(arrays, units, periods.pop() if len(periods) == 1 else None)
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import h5py
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import Array, FileArrays, Format, one_line, period_in
+from hysgen.record.formats.base import Array, FileArrays, Format, Series, collected, one_line, period_in
 
 FILL_VALUES = ("_FillValue", "missing_value")
 """Attributes of a dataset with the stored value that means none (CF)."""
@@ -70,7 +71,7 @@ def read_hdf5(path: Path) -> FileArrays:
             take("", file)
             file.visititems(take)
     except _MatlabTableError:
-        return FileArrays(*read_tables(path))
+        return read_tables(path)
     except (OSError, RuntimeError, ValueError, KeyError) as fault:
         raise RecordError(f"{path.name}: is no readable HDF5 file ({one_line(fault)}); write it again") from fault
     return FileArrays(arrays, units, periods[0] if periods and max(periods) == min(periods) else None)
@@ -103,7 +104,7 @@ UNITS = ("varUnits", "VariableUnits")
 """Attributes of a timetable and of a table that hold the units of its columns."""
 
 
-def read_tables(path: Path) -> tuple[dict[str, Array], dict[str, str]]:
+def read_tables(path: Path) -> FileArrays:
     """The columns of all tables and timetables of a MAT file as "table/column", and their units.
 
     The times of the rows are "table/Time" in s: durations unchanged, dates relative to the first row.
@@ -119,36 +120,21 @@ def read_tables(path: Path) -> tuple[dict[str, Array], dict[str, str]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         content = load_from_mat(str(path), add_table_attrs=True)
-    arrays: dict[str, Array] = {}
-    units: dict[str, str] = {}
-    for name, table in content.items():
-        if hasattr(table, "columns") and hasattr(table, "index"):
-            _take(name, table, arrays, units)
-    if not arrays:
+    tables = [(name, item) for name, item in content.items() if hasattr(item, "columns") and hasattr(item, "index")]
+    file = collected(series for name, table in tables for series in _columns(name, table))
+    if not file.arrays:
         raise RecordError(f"{path.name}: its objects are no tables of numbers; save the columns as arrays")
-    return arrays, units
+    return file
 
 
-def _take(name: str, table: Any, arrays: dict[str, Array], units: dict[str, str]) -> None:
-    """Add the times of the rows and the numeric columns of a DataFrame."""
-    kind = np.asarray(table.index).dtype.kind
-    if kind in "mM":
-        times = np.asarray(table.index)
-        start = times[0] if kind == "M" and times.size else np.timedelta64(0, "ns")
-        arrays[f"{name}/Time"] = (times - start) / np.timedelta64(1, "s")
-        units[f"{name}/Time"] = "s"
-    stated = _units(table.attrs)
-    for place, column in enumerate(table.columns):
+def _columns(name: str, table: Any) -> Iterator[Series]:
+    """The times of the rows, where they are times, and the columns that are none; units in the order of the columns."""
+    times = np.asarray(table.index)
+    if times.dtype.kind in "mM":
+        yield Series(f"{name}/Time", times)
+    stated = next((table.attrs[key] for key in UNITS if len(table.attrs.get(key, ()))), ())
+    units = [str(unit).strip() for unit in np.ravel(np.asarray(stated, dtype=object))]
+    for column, unit in itertools.zip_longest(table.columns, units[: len(table.columns)], fillvalue=""):
         values = np.asarray(table[column])
-        if values.dtype.kind == "m":
-            values = values / np.timedelta64(1, "s")
-        if values.dtype.kind in "fiub":
-            arrays[f"{name}/{column}"] = values
-            if place < len(stated) and stated[place]:
-                units[f"{name}/{column}"] = stated[place]
-
-
-def _units(attributes: Mapping[str, Any]) -> list[str]:
-    """Units of the columns, in their order; empty where the table states none."""
-    found = next((attributes[key] for key in UNITS if len(attributes.get(key, ()))), ())
-    return [str(unit).strip() for unit in np.ravel(np.asarray(found, dtype=object))]
+        if values.dtype.kind != "M":
+            yield Series(f"{name}/{column}", values, unit)

@@ -28,7 +28,7 @@ def read_mat(path: Path) -> FileArrays:
         raise RecordError(f"{path.name}: is damaged ({one_line(fault)}); save it again") from fault
     arrays = dict(_flat("", content))
     if not arrays and any(isinstance(item, MatlabOpaque) for item in content.values()):
-        return FileArrays(*read_tables(path))
+        return read_tables(path)
     return FileArrays(arrays)
 
 

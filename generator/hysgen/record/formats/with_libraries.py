@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import Array, FileArrays, Format, Text, library, seconds
+from hysgen.record.formats.base import Array, FileArrays, Format, Series, Text, collected, library
 from hysgen.record.formats.packed import parts_of
-from hysgen.record.header import is_value
+from hysgen.record.spelling import is_value
 
 MAGIC = {b"PAR1": ("pyarrow.parquet", "Parquet files"), b"ARROW1": ("pyarrow.feather", "Feather files")}
 
@@ -22,59 +22,40 @@ def read_arrow(path: Path) -> FileArrays:
     """Columns of an Arrow table; time stamps as seconds since the first."""
     with path.open("rb") as stream:
         head = stream.read(6)
-    name, what = next(reader for magic, reader in MAGIC.items() if head.startswith(magic))
-    table = library(name, path, what).read_table(path)
-    arrays, units = {}, {}
-    for name in table.column_names:
-        values = table.column(name).to_numpy()
-        if values.dtype.kind in "mM":
-            values, units[str(name)] = seconds(values), "s"
-        if values.dtype.kind in "fiub":
-            arrays[str(name)] = values
-    return FileArrays(arrays, units)
+    module, what = next(reader for magic, reader in MAGIC.items() if head.startswith(magic))
+    table = library(module, path, what).read_table(path)
+    return collected(Series(str(name), table.column(name).to_numpy()) for name in table.column_names)
 
 
 def read_tdms(path: Path) -> FileArrays:
     """Channels as "group/channel"; the sampling period from the waveform property wf_increment."""
-    module = library("nptdms", path, "TDMS files")
-    arrays, units, periods = {}, {}, set()
-    for group in module.TdmsFile.read(path, raw_timestamps=True).groups():
-        for channel in group.channels():
-            stored = channel[:]
-            values = stored.as_datetime64("ns") if hasattr(stored, "as_datetime64") else np.asarray(stored)
-            key = f"{group.name}/{channel.name}"
-            if values.dtype.kind in "mM":
-                values, units[key] = seconds(values), "s"
-            if values.dtype.kind not in "fiub" or not values.size:
-                continue
-            arrays[key] = values
-            properties = dict(channel.properties)
-            if unit := str(properties.get("unit_string", properties.get("Unit", ""))):
-                units[key] = unit
-            if (step := float(properties.get("wf_increment", 0.0))) > 0.0:
-                periods.add(step)
-    return FileArrays(arrays, units, periods.pop() if len(periods) == 1 else None)
+    file = library("nptdms", path, "TDMS files").TdmsFile.read(path, raw_timestamps=True)
+    return collected(_tdms(channel) for group in file.groups() for channel in group.channels() if len(channel))
+
+
+def _tdms(channel: Any) -> Series:
+    stored, told = channel[:], dict(channel.properties)
+    values = stored.as_datetime64("ns") if hasattr(stored, "as_datetime64") else np.asarray(stored)
+    unit = str(told.get("unit_string", told.get("Unit", "")))
+    return Series(f"{channel.group_name}/{channel.name}", values, unit, float(told.get("wf_increment", 0.0)))
 
 
 def read_uff(path: Path) -> FileArrays:
     """Functions of dataset 58 by their id line; the sampling period is the increment of the abscissa."""
     module = library("pyuff", path, "UFF files")
-    arrays, units, periods = {}, {}, set()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         file = module.UFF(str(path))
-        for number in np.flatnonzero(np.asarray(file.get_set_types()) == 58):
-            one = file.read_sets(int(number))
-            values = np.asarray(one["data"])
-            if values.dtype.kind != "f":
-                continue
-            name = str(one.get("id1") or one.get("rsp_ent_name") or "").strip()
-            name = f"channel {number}" if name in ("", "NONE") else name
-            arrays[name] = values
-            if unit := str(one.get("ordinate_axis_units_lab") or "").strip():
-                units[name] = unit
-            periods.add(float(one["abscissa_inc"]) or float(np.diff(one["x"][:2])[0]))
-    return FileArrays(arrays, units, periods.pop() if len(periods) == 1 else None)
+        numbers = np.flatnonzero(np.asarray(file.get_set_types()) == 58).tolist()
+        return collected(_uff(number, file.read_sets(number)) for number in numbers)
+
+
+def _uff(number: int, stored: Mapping[str, Any]) -> Series:
+    name = str(stored.get("id1") or stored.get("rsp_ent_name") or "").strip()
+    name = f"channel {number}" if name in ("", "NONE") else name
+    values = np.asarray(stored["data"])
+    step = float(stored["abscissa_inc"]) or float(np.diff(stored["x"][:2])[0])
+    return Series(name, values, str(stored.get("ordinate_axis_units_lab") or "").strip(), step)
 
 
 def read_mdf(path: Path) -> FileArrays:
