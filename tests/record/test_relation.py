@@ -166,6 +166,13 @@ def test_noise_is_no_inverted_sensor(seed: int) -> None:
     assert "does not follow" in line
 
 
+def test_where_only_the_other_axis_follows_the_voltage_it_is_named(tmp_path: Path) -> None:
+    rows = np.column_stack([TS_S * np.arange(N), U_V, 0.1 * U_V, RNG.normal(size=N)])
+    np.savetxt(tmp_path / "xy.csv", rows, delimiter=",", header="time_s,voltage_V,x_um,y_um", comments="")
+    (line,) = (one for one in hysgen.load_record(tmp_path / "xy.csv").warnings if "does not follow" in one)
+    assert line.endswith("; x_um follows it: --columns displacement=x_um")
+
+
 ROWS, STEP_S, RATE = 4000, 1e-3, 0.2
 STEPS_V = np.repeat(np.random.default_rng(3).uniform(0.0, 100.0, 40), ROWS // 40)
 SMOOTH_V = 50.0 - 40.0 * np.cos(2.0 * np.pi * np.arange(ROWS) / 400.0)

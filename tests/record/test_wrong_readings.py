@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ import pytest
 import hysgen
 from hysgen.cli.main import main
 from hysgen.diagnosis.causes.outliers import CAUSE
+from hysgen.display import Quantities
 from hysgen.record import Record, Segment
 from hysgen.record.bundled import demo_record
 from hysgen.record.read import record_csv
@@ -119,6 +121,8 @@ def test_rows_of_later_segments_and_of_parts_count_from_the_start_of_the_record(
     for record, rows in ((both, (200, 900)), (second, (900,)), (second.rows(100, 500), (900,))):
         said = record.without_wrong_readings().warnings
         assert [line.split(": the")[0] for line in said] == [f"log.csv: row {row}" for row in rows]
+    other = [replace(segment, quantities=Quantities("current", "A", "angle", "mrad")) for segment in first.segments]
+    assert "the angle is 20 mrad" in Record.from_segments(other, 1e-3).without_wrong_readings().warnings[0]
 
 
 @pytest.mark.parametrize(("rows", "gate"), [((100, 101), False), ((100, 900), True)])

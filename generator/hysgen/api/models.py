@@ -80,7 +80,7 @@ def sound_record(given: Record | Any, gated: bool = False) -> Record:
     """The record of `record_of` without wrong readings (`Record.without_wrong_readings`), and a warning for each."""
     record = record_of(given)
     sound = record.without_wrong_readings(gated)
-    warn(sound.warnings[len(record.warnings) :], 4, record.quantities)
+    warn(sound.warnings[len(record.said) :], 4)
     return sound
 
 

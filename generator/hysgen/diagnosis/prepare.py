@@ -237,7 +237,7 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
         start = record.segments[-1].past_samples
         whole = rest.whole().rows(start, last.samples + rest.samples, record.Ts_s)
         parts = [*record.segments[:-1], whole, *holdout.segments[1:]]
-        joined = Record.from_segments(parts, record.Ts_s, record.source, record.warnings)
+        joined = Record.from_segments(parts, record.Ts_s, record.source, record.said)
         past += [0] * (len(holdout.segments) - 1)
     else:
         joined = Record.joined(record, holdout.whole())

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hysgen.display import Displayed, Quantities, Summary
+from hysgen.display import WRITTEN_IN, Displayed, Quantities, Summary
 from hysgen.errors import RecordError
 from hysgen.record.checks import check_marks, check_values
 from hysgen.record.columns import Columns
@@ -39,14 +39,19 @@ class Record(Displayed):
     Ts_s: sampling period in s.
     source: file name(s) without folder, or "arrays".
     digest: SHA-256 of channels, segment lengths and Ts_s; independent of the file format.
-    warnings: suspicious values that were not refused, one line each.
+    said: `warnings` as they are written for a voltage in V and a displacement in um.
     """
 
     segments: tuple[Segment, ...]
     Ts_s: float
     source: str
     digest: str
-    warnings: tuple[str, ...] = ()
+    said: tuple[str, ...] = ()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Suspicious values that were not refused, one line each, in the quantities of the record."""
+        return self.said if WRITTEN_IN.get().other else tuple(map(self.quantities.text, self.said))
 
     @classmethod
     def from_segments(
@@ -67,7 +72,7 @@ class Record(Displayed):
             Ts_s=float(Ts_s),
             source=source,
             digest=digest_of(kept, Ts_s),
-            warnings=(*warnings, *(f"{source}: {line}" for line in dropped)),
+            said=(*warnings, *(f"{source}: {line}" for line in dropped)),
         )
 
     @classmethod
@@ -199,7 +204,7 @@ class Record(Displayed):
             [segment for record in records for segment in record.segments],
             first.Ts_s,
             ", ".join(dict.fromkeys(record.source for record in records)),
-            tuple(dict.fromkeys(line for record in records for line in record.warnings)),
+            tuple(dict.fromkeys(line for record in records for line in record.said)),
         )
 
     def summary(self) -> Summary:
@@ -276,14 +281,14 @@ class Record(Displayed):
             if low < high:
                 parts.append(segment.rows(low, high, self.Ts_s))
             first += segment.samples
-        return Record.from_segments(parts, self.Ts_s, _source_of_rows(self.source, start, stop), self.warnings)
+        return Record.from_segments(parts, self.Ts_s, _source_of_rows(self.source, start, stop), self.said)
 
     def whole(self) -> Record:
         """The record with the past of every segment as samples of its own (`Segment.whole`)."""
         if all(segment.past is None for segment in self.segments):
             return self
         parts = [segment.whole() for segment in self.segments]
-        return Record.from_segments(parts, self.Ts_s, self.source, self.warnings)
+        return Record.from_segments(parts, self.Ts_s, self.source, self.said)
 
     @property
     def level_um(self) -> float:
@@ -297,7 +302,7 @@ class Record(Displayed):
     def raised(self, level_um: float) -> Record:
         """The record with `level_um` added to the displacement."""
         segments = [segment.raised(level_um) for segment in self.segments]
-        return Record.from_segments(segments, self.Ts_s, self.source, self.warnings)
+        return Record.from_segments(segments, self.Ts_s, self.source, self.said)
 
     def without_wrong_readings(self, gated: bool = False) -> Record:
         """The record with its single wrong readings bridged (`wrong_readings`), and a line for each in its warnings.
@@ -309,7 +314,7 @@ class Record(Displayed):
             return self
         if all(new is old for new, old in zip(segments, self.segments, strict=True)):
             return self
-        warnings = (*self.warnings, *lines_of(self.source, found))
+        warnings = (*self.said, *lines_of(self.source, found))
         return Record.from_segments(segments, self.Ts_s, self.source, warnings)
 
     @property

@@ -60,7 +60,7 @@ def load_record(
     if len(records) == 1:
         return records[0]
     joined = Record.joined(*records)
-    return replace(joined, warnings=(*joined.warnings, *_repeated(paths, records)))
+    return replace(joined, said=(*joined.said, *_repeated(paths, records)))
 
 
 def _repeated(paths: Sequence[Path], records: Sequence[Record]) -> Iterator[str]:

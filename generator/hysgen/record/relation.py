@@ -17,12 +17,13 @@ period: such a log is one row off, and the error at every step would be taken fo
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
+from hysgen.record.columns import split_unit
 from hysgen.record.segment import Segment
 
 Floats = NDArray[np.float64]
@@ -192,6 +193,7 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
             yield (
                 f"{names} does not follow {drive}: largest correlation {lag.correlation:.2f}, a linear response "
                 f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"
+                + "".join(f"; {name} follows it: --columns displacement={name}" for name in _following(run))
             )
         return
     if lag.correlation > 0.0 and lag.misaligned:
@@ -201,6 +203,16 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
             f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
         )
+
+
+def _following(run: Segment) -> Iterator[str]:
+    """The further columns that follow the voltage and are named as the displacement is: x_um beside y_um."""
+    name = run.origin.displacement
+    for other, values in run.aux.items():
+        lag = lag_of(replace(run, y_um=values))
+        alike = len(other) == len(name) and split_unit(other)[1] == split_unit(name)[1]
+        if alike and lag is not None and lag.correlation >= LATE:
+            yield other
 
 
 def held(runs: Sequence[Segment], Ts_s: float) -> Iterator[str]:

@@ -317,8 +317,8 @@ def checked(source: str, content: Content, jitter: float, accept: Collection[str
         runs = [part for run in runs for part in at_gaps(run)]
     if columns.shift:
         runs = [shifted(run, columns.shift) for run in runs]
-    runs, dropped = _with_channels(runs, source, columns)
     readings = sound(runs)
+    runs, dropped = _with_channels(runs, source, columns)
     warnings = check_values(readings, accept)
     stamps = [run for run in runs if run.stamps_s.size]
     Ts_s = sampling_period(stamps, jitter, columns.Ts_s) if stamps else given_s
