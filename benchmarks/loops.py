@@ -21,7 +21,6 @@ from hysgen.model.path import preview
 from hysgen.model.path.structure import Structure
 from hysgen.model.rivals import fit_proportional
 from hysgen.record.segment import Segment
-from hysgen.trajectory.inverse import own_response, rest_voltage
 
 Floats = NDArray[np.float64]
 TS_S = 2e-5
@@ -172,23 +171,24 @@ def record_of(modes: int) -> hysgen.Record:
 def followed(model: Model, actuator: Actuator, wanted: Floats, integral: float, block: Structure | None) -> Floats:
     """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before."""
     ahead = preview(model.blocks) + 1
-    course = np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]).astype(np.float32)
-    first_V = np.float32(rest_voltage(own_response(model), float(wanted[0])))
-    actuator.play(np.full(10, first_V))
-    inverse = Instance(model, course[:1], np.array([first_V]))
+    plan = hysgen.waveform(model, np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]))
+    course = np.concatenate([np.full(plan.lead, wanted[0]), plan.reference.values])
+    asked_um, first_V = plan.asked_um.astype(np.float32), plan.u_V[:1].astype(np.float32)
+    actuator.play(np.full(10, first_V[0]))
+    inverse = Instance(model, asked_um[:1], first_V)
     notches = None if block is None else block.mirror(np.zeros(1, dtype=np.float32), TS_S)
     correction = before = np.zeros(1, dtype=np.float32)
-    asked = course[:1]
+    asked = asked_um[:1]
     out = np.empty(course.size - ahead)
     for k in range(out.size):
         out[k] = actuator.read()
-        residual = (course[k : k + 1] - np.float32(out[k])).astype(np.float32)
+        residual = (course[k : k + 1] - out[k]).astype(np.float32)
         moves = residual if notches is None else notches.apply(residual)
         correction, before = correction + np.float32(0.5 * integral) * (moves + before), moves
-        aim = course[k + ahead : k + ahead + 1] + correction
+        aim = asked_um[k + ahead : k + ahead + 1] + correction
         actuator.step(float(inverse.inverse(asked, aim)[0]))
         asked = aim
-    return out[3000:]
+    return out[plan.lead + 3000 :]
 
 
 def track(modes: int) -> None:

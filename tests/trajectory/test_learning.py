@@ -9,6 +9,7 @@ import pytest
 from scipy.signal import lfilter
 
 import hysgen
+from hysgen.diagnosis.probe.solve import rms
 from hysgen.model.rivals import fit_proportional
 from hysgen.record import Record
 from hysgen.record.segment import Segment
@@ -30,12 +31,8 @@ def player(hidden: Plant) -> Play:
     return play
 
 
-def rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def played(hidden: Plant, plan: hysgen.Waveform, y_um: np.ndarray) -> Record:
-    return Record.from_segments([Segment("0", plan.u_V, y_um, {}, plan.start_s)], hidden.Ts_s, "played")
+def played(plan: hysgen.Waveform, y_um: np.ndarray) -> Record:
+    return Record.from_segments([Segment("0", plan.u_V, y_um, {}, plan.start_s)], plan.Ts_s, "played")
 
 
 @pytest.mark.slow
@@ -55,7 +52,7 @@ def test_repeats_of_a_foreign_stage_reach_its_noise(family: str, form: str) -> N
     for repeat in range(6):
         y_um = play(plan.u_V, repeat)
         errors.append(rms(y_um[plan.lead :] - wanted))
-        plays.append(played(hidden, plan, y_um))
+        plays.append(played(plan, y_um))
         plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
         assert plan.learning is not None
     assert errors[0] < 0.25 * proportional_um
@@ -74,8 +71,7 @@ def test_a_repeat_that_made_the_error_worse_is_left_and_learning_stops_there() -
 
     def record(now: hysgen.Waveform) -> Record:
         answer_um = model.simulate(now.u_V)
-        y_um = centre_um - 1.2 * (answer_um - centre_um) + rng.normal(0.0, 1e-3, answer_um.size)
-        return Record.from_segments([Segment("0", now.u_V, y_um, {}, now.start_s)], model.Ts_s, "played")
+        return played(now, centre_um - 1.2 * (answer_um - centre_um) + rng.normal(0.0, 1e-3, answer_um.size))
 
     for _ in range(4):
         plays.append(record(plan))
@@ -99,7 +95,7 @@ def test_a_mode_that_the_model_lacks_is_driven_up_once_at_most() -> None:
         ringing_um = np.real(lfilter([1.0], [1.0, -pole], np.diff(answer_um, prepend=answer_um[0])))
         y_um = answer_um - 0.6 * ringing_um + rng.normal(0.0, 5e-4, answer_um.size)
         errors.append(rms(y_um[plan.lead :] - plan.reference.values))
-        plays.append(Record.from_segments([Segment("0", plan.u_V, y_um, {}, plan.start_s)], model.Ts_s, "played"))
+        plays.append(played(plan, y_um))
         plan = hysgen.waveform(model, "triangle", form, plays=plays)
     assert errors[1] > 2.0 * errors[0]
     assert max(errors[2:]) < errors[0]

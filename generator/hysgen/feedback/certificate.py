@@ -19,16 +19,7 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
-from hysgen.feedback.stage import (
-    Uncertainty,
-    draws,
-    inverse,
-    lines,
-    modes_of,
-    response,
-    series,
-    stage,
-)
+from hysgen.feedback.stage import Uncertainty, draws, inverse, lines, modes_of, response, series, stage
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.base import StateSpace

@@ -52,6 +52,15 @@ def own_response(model: Model) -> Model:
     return dataclasses.replace(model, terms=(), weights=np.zeros(0), scores={}, certificates={})
 
 
+def asked_of_inverse(model: Model, u_V: Floats) -> Floats:
+    """Displacements, (n,), that the emitted inverse is asked for, one after the other, to put out u_V, (n,).
+
+    It leaves blocks without a stable inverse out: asked for what the model without them answers, it puts out u_V.
+    """
+    solved = tuple(block for block in model.blocks if not block.responds or block.solves(model.Ts_s))
+    return dataclasses.replace(own_response(model), blocks=solved).simulate(u_V)
+
+
 def rest_voltage(model: Model, y_um: float) -> float:
     """Voltage under which the model rests at y, by bisection; an end of the input range for a y beyond it."""
     low_V, high_V = model.u_min_V, model.u_max_V

@@ -13,7 +13,14 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.trajectory.inverse import CORRECTIONS, corrected_inverse, own_response, preview_samples, rest_voltage
+from hysgen.trajectory.inverse import (
+    CORRECTIONS,
+    asked_of_inverse,
+    corrected_inverse,
+    own_response,
+    preview_samples,
+    rest_voltage,
+)
 from hysgen.trajectory.limits import Limits, best_within, clipped, limits_of
 from hysgen.trajectory.reference import Sampled
 
@@ -74,15 +81,17 @@ class Learning:
 class Waveform(Displayed):
     """u_V: (n,) voltages from start_s on, every Ts_s; the reference, (m,), begins `lead` samples later.
 
-    y_um: (m,) displacement that the model answers. largest_um: the largest error that the limits leave; clipped_um:
-    that of the exact voltage cut at its limits, None where nothing is cut. spans_s: from .. to where the error is above
-    REACHED. broken: names of the limits that the exact voltage exceeds. model_rms_um, model_largest_um: errors of the
-    model on the record that identified it, None if its file does not say. periodic: u_V is one period.
+    asked_um: (n,) the reference of a loop around the emitted inverse (`asked_of_inverse`). y_um: (m,) displacement that
+    the model answers. largest_um: the largest error that the limits leave; clipped_um: that of the exact voltage cut at
+    its limits, None where nothing is cut. spans_s: from .. to where the error is above REACHED. broken: names of the
+    limits that the exact voltage exceeds. model_rms_um, model_largest_um: errors of the model on the record that
+    identified it, None if its file does not say. periodic: u_V is one period.
     """
 
     model: str
     reference: Sampled
     u_V: Floats
+    asked_um: Floats
     y_um: Floats
     Ts_s: float
     lead: int
@@ -149,11 +158,8 @@ class Waveform(Displayed):
         first = "; ".join(f"{a:.6g} .. {b:.6g} s" for a, b in self.spans_s[:3])
         more = f" and {len(self.spans_s) - 3} more spans" if len(self.spans_s) > 3 else ""
         why = f" for the limit of {' and '.join(self.broken)}" if self.broken else " by the inverse of this model"
-        cut = (
-            ""
-            if self.clipped_um is None
-            else f"; cut at the limits, the voltage would miss it by {self.clipped_um:.4g} um"
-        )
+        cut_um = self.clipped_um
+        cut = "" if cut_um is None else f"; cut at the limits, the voltage would miss it by {cut_um:.4g} um"
         return f"CANNOT be reached{why}: missed by up to {self.largest_um:.4g} um at {first}{more}{cut}"
 
     def to_json(self) -> dict[str, Any]:
@@ -219,6 +225,7 @@ def plan(
         model.name,
         reference,
         volts,
+        asked_of_inverse(stage, volts),
         y,
         model.Ts_s,
         lead,
