@@ -108,9 +108,11 @@ def test_a_jump_is_no_wrong_reading(size_um: float) -> None:
         assert wrong_readings(Segment("0", U_V, y_um + size_um * (K > 700))) == []
 
 
-def test_coarse_readings_and_switching_are_no_wrong_readings() -> None:
+def test_coarse_readings_switching_and_the_bundled_record_have_no_wrong_readings() -> None:
     for y_um in (np.rint(Y_UM / 0.4) * 0.4, Y_UM + 1.0 * (K // 37 % 2)):
         assert wrong_readings(Segment("0", U_V, y_um)) == []
+    record = demo_record()
+    assert record.without_wrong_readings() is record
 
 
 def test_rows_of_later_segments_and_of_parts_count_from_the_start_of_the_record() -> None:
@@ -132,11 +134,6 @@ def test_the_cause_outliers_gates_the_firmware_only_if_they_are_frequent(rows: t
     assert extension.gate is gate
     assert extension.trust is not None
     np.testing.assert_array_equal(extension.trust, ~corrupted)
-
-
-def test_the_bundled_record_has_no_wrong_reading() -> None:
-    record = demo_record()
-    assert record.without_wrong_readings() is record
 
 
 @pytest.fixture(scope="module")

@@ -57,13 +57,17 @@ class Generated(Displayed, Mapping[str, str]):
         return Summary(f"C of model {self.model.name}: {len(self.texts)} files", ["file", "lines", "bytes"], rows)
 
 
-def generate(model: Model, options: Options | None = None) -> Generated:
+def generate(model: Model, options: Options | None = None, force: bool = False) -> Generated:
     """The C of a model as text; by default with the inverse if that is certified.
 
-    Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period.
+    Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period;
+    without `force`, also ModelError for a model worse than a constant, CertificateError if noise moves the inverse.
     """
     derived = Derived(model_of(model))
-    return Generated(derived.model, generate_texts(derived, options or derived.options))
+    chosen = options or derived.options
+    if not force:
+        derived.require_use(chosen.inverse)
+    return Generated(derived.model, generate_texts(derived, chosen))
 
 
 def _as_before(model: Model, folder: Path) -> tuple[Model, Options | None]:

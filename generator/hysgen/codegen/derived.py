@@ -6,14 +6,20 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.learning import commit_feature, learner_feature
 from hysgen.codegen.operations.cycles import CLOCK_HZ
 from hysgen.codegen.parameters import Section, block_sections, range_section, rule_section, term_sections
 from hysgen.codegen.render import Feature
-from hysgen.errors import CertificateError
+from hysgen.errors import CertificateError, ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.model.model import Model
+from hysgen.model.scores import NO_BETTER
+
+MOST_MOVED = 0.1
+"""Share of its range by which half the noise of the displacement may move the input that an inverse asks for."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,24 @@ class Derived:
     def options(self) -> Options:
         """The usual options: with the inverse if it is certified."""
         return Options(inverse=self.certificates.inverse_holds)
+
+    def require_use(self, inverse: bool) -> None:
+        """Raise ModelError for a model that is worse than a constant, CertificateError for an inverse that noise moves.
+
+        noise/2 > MOST_MOVED (w_high - w_low) min |b(y)|
+        """
+        name, known, scale = self.model.name, self.model.scores.get("identification", {}), self.certificates
+        for line in known.get("warnings", ()):
+            if line.endswith(NO_BETTER):
+                raise ModelError(f"{name}: {line}; record again, or give --force")
+        noise_um = 0.5 * float(known.get("noise_floor", {}).get("rms_um", 0.0))
+        gain, whole = min(abs(scale.gain_lowest.value), abs(scale.gain_highest.value)), float(np.ptp(scale.w_range))
+        if inverse and noise_um > MOST_MOVED * whole * gain:
+            raise CertificateError(
+                f"{name}: half the noise of the displacement, {noise_um:.3g} um, moves the {scale.w_name} of the "
+                f"inverse by {noise_um / (gain or 1e-300):.3g} of its {whole:.3g} {scale.w_unit}: its gain is down to "
+                f"{gain:.3g} um/{scale.w_unit}; give --no-inverse, or --force"
+            )
 
     def require_inverse(self) -> None:
         """Raise CertificateError, with place and value, if Eq. (11) is singular or the path has no inverse."""

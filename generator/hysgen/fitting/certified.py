@@ -13,6 +13,8 @@ Source of the solver: Lawson and Hanson, Solving Least Squares Problems (1974), 
 
 from __future__ import annotations
 
+import functools
+import operator
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,18 +108,16 @@ def certified_set(structure: Structure, single_gain: float, slope_limit: float) 
     """
     if single_gain == 0.0:
         raise FitError("the displacement does not answer to the voltage at all; record with more drive")
-    y = _displacements(structure)
+    grid = structure.grid
+    y = np.linspace(grid.y_min_um, grid.y_max_um, POINTS_PER_RULE * (grid.rules - 1) + 1)
     cut = 3 * structure.grid.rules
     gain = np.zeros((y.size, structure.size))
-    gain[:, 1:cut:3] = memberships(y, structure.grid) / single_gain
+    gain[:, 1:cut:3] = memberships(y, grid) / single_gain
     one = np.ones(y.size)
     parts = [HalfSpaces(gain, GAIN_FLOOR * one), HalfSpaces(-gain, -GAIN_CEILING * one)]
     for w in (structure.w_range.low, structure.w_range.high):
         parts.append(_slope_limits(structure, y, w, slope_limit))
-    grid = parts[0]
-    for part in parts[1:]:
-        grid = grid + part
-    return CertifiedSet(structure, slope_limit, grid)
+    return CertifiedSet(structure, slope_limit, functools.reduce(operator.add, parts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,8 +188,3 @@ def _slope_limits(structure: Structure, y_um: Floats, w: float, limit: float) ->
     slope[:, 1:cut:3] = w * rise
     slope[:, 2:cut:3] = rise
     return HalfSpaces(np.vstack([slope, -slope]) / limit, np.full(2 * y_um.size, -1.0))
-
-
-def _displacements(structure: Structure) -> Floats:
-    grid = structure.grid
-    return np.linspace(grid.y_min_um, grid.y_max_um, POINTS_PER_RULE * (grid.rules - 1) + 1)

@@ -206,13 +206,8 @@ def linear_gain(structure: Structure, one_step: Information) -> float:
     one = np.zeros((structure.size, 3))
     one[: 3 * rules] = np.tile(np.eye(3), (rules, 1))
     phi = np.eye(structure.size)[:, 3 * rules :]
-    return float(_tied(one_step, np.hstack([one, phi]))[1])
-
-
-def _tied(one_step: Information, tied: Floats) -> Floats:
-    """(m,) least-squares x under the constraint q = tied x; tied: (p, m)."""
-    solution, *_ = np.linalg.lstsq(one_step.R @ tied, one_step.d, rcond=None)
-    return np.asarray(solution)
+    # Least squares under the constraint q = [one, phi] x.
+    return float(np.linalg.lstsq(one_step.R @ np.hstack([one, phi]), one_step.d, rcond=None)[0][1])
 
 
 def partition(record: Record, rules: int, margin: float = 0.0, at_least_um: tuple[float, float] | None = None) -> Grid:

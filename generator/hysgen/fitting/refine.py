@@ -17,6 +17,7 @@ The quadratic penalties hold linear parameters that the scored part of a free ru
 from __future__ import annotations
 
 import dataclasses
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -185,7 +186,7 @@ def _descend(task: _Task, model: Model, start: Criterion, most_worse: float) -> 
             candidate = model.with_parameters(model.parameters + step)
             trial = error.criterion(candidate)
             better = trial.value < now.value and trial.rms_um <= most_worse * start.rms_um
-            if better and _keeps(held, _holding(candidate, allowed)):
+            if better and all(map(operator.ge, _holding(candidate, allowed), held)):
                 moved = candidate, trial
             else:
                 damping *= 10.0
@@ -226,8 +227,3 @@ def _holding(model: Model, allowed: CertifiedSet | None) -> tuple[bool, ...]:
         return ()
     found = certify(model)
     return found.gain_holds, found.contraction_holds
-
-
-def _keeps(before: tuple[bool, ...], now: tuple[bool, ...]) -> bool:
-    """Whether every certificate that held before holds now."""
-    return all(new >= old for old, new in zip(before, now, strict=True))

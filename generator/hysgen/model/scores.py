@@ -236,6 +236,7 @@ def taken_json(taken: Taken) -> dict[str, Any]:
     return dataclasses.asdict(taken) | {"rows": list(taken.rows)}
 
 
+NO_BETTER = ", and a constant is wrong by less"
 USELESS = 0.7
 """Free-run error relative to the standard deviation of the displacement from which on a model explains less than half
 of the variance."""
@@ -387,10 +388,11 @@ def _doubts(record: Record, free: Score, ahead: Score, resting: Score) -> Iterat
             f"{record.source}: one step ahead the model is worse than persistence, y(k+1) = y(k): "
             f"{ahead.e_rms_um:.4g} um against {resting.e_rms_um:.4g} um"
         )
-    if free.e_rms_um > USELESS * float(np.std(y_um)):
+    if free.e_rms_um > USELESS * (varies_um := float(np.std(y_um))):
         yield (
             f"{record.source}: in free run the model is wrong by {free.e_rms_um:.4g} um where the displacement itself "
-            f"varies by {float(np.std(y_um)):.4g} um rms: it explains next to nothing of this record"
+            f"varies by {varies_um:.4g} um rms: it explains next to nothing of this record"
+            f"{NO_BETTER if free.e_rms_um > varies_um else ''}"
         )
 
 

@@ -38,6 +38,10 @@ OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_u
 """Names of the columns in hysgen's own files."""
 IN_WORDS = {word: unit for unit, words in VOCABULARY["units"].items() for word in words.split()}
 """Units in full, lower case."""
+_NUMBERS: dict[str, tuple[type, str]] = {
+    "Ts_s": (float, "is not a number; give seconds, as 2e-5"),
+    "shift": (int, "is no whole number; give rows, as 1 or -20"),
+}
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " "}
 
 
@@ -129,16 +133,12 @@ class Columns:
                 )
             if key == "aux":
                 given["aux"] = given.get("aux", ()) + ((value,) if value else ())
-            elif key == "Ts_s":
+            elif key in _NUMBERS:
+                kind, what = _NUMBERS[key]
                 try:
-                    given[key] = float(value)
+                    given[key] = kind(value)
                 except ValueError:
-                    raise RecordError(f"columns: Ts_s '{value}' is not a number; give seconds, as 2e-5") from None
-            elif key == "shift":
-                try:
-                    given[key] = int(value)
-                except ValueError:
-                    raise RecordError(f"columns: shift '{value}' is no whole number; give rows, as 1 or -20") from None
+                    raise RecordError(f"columns: {key} '{value}' {what}") from None
             else:
                 given[key] = value
         return cls(**given)

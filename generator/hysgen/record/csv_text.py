@@ -233,18 +233,9 @@ def _by_position(columns: Columns, layout: Layout, source: str) -> tuple[Columns
         return columns, ""
     rows = [fields for _, (_, fields) in zip(range(200), layout.rows(), strict=False)]
     if columns.time in (own.time, "") and (columns.voltage, columns.displacement) == (own.voltage, own.displacement):
-        rising = (
-            None
-            if columns.Ts_s is not None
-            else next(
-                (
-                    name
-                    for at, name in enumerate(layout.names)
-                    if name and _rises_evenly([row[at] for row in rows if at < len(row)], layout)
-                ),
-                None,
-            )
-        )
+        cells = ((name, [row[at] for row in rows if at < len(row)]) for at, name in enumerate(layout.names) if name)
+        even = (name for name, texts in cells if columns.Ts_s is None and _rises_evenly(texts, layout))
+        rising = next(even, None)
         others = [name for name in layout.names if name not in (rising, "")]
         if len(others) >= 2:
             roles = {"voltage": others[0], "displacement": others[1]} | ({"time": rising} if rising else {})

@@ -214,18 +214,18 @@ def _numbered(lines: Sequence[str], fields: int) -> tuple[str, ...]:
 def _period(lines: Sequence[str], separator: str) -> float | None:
     """The sampling period in s of the first line that states it or the rate."""
     for line in lines:
-        if found := _PERIOD.match(line):
-            bracket, text, behind = found.groups()
-            value = number(text, comma="," in text and separator != ",")
-            unit = plain_unit(bracket or behind or "s")
-            if value and value > 0.0 and unit in UNITS["time"]:
-                multiply, divide = UNITS["time"][unit]
-                return value * multiply / divide
-        elif found := _RATE.match(line):
-            bracket, text, behind = found.groups()
-            value = number(text, comma="," in text and separator != ",")
-            bare = line.lower().startswith("rate") and not (bracket or behind)
-            factor = RATE_UNITS.get((bracket or behind or "Hz").lower())
-            if value and value > 0.0 and factor is not None and not bare:
-                return 1.0 / (value * factor)
+        found = _PERIOD.match(line) or _RATE.match(line)
+        if found is None:
+            continue
+        bracket, text, behind = found.groups()
+        value, unit = number(text, comma="," in text and separator != ",") or 0.0, bracket or behind
+        if found.re is _PERIOD:
+            multiply, divide = UNITS["time"].get(plain_unit(unit or "s"), (0.0, 1.0))
+            period = value * multiply / divide
+        else:
+            bare = line.lower().startswith("rate") and not unit
+            rate = 0.0 if bare else value * RATE_UNITS.get((unit or "Hz").lower(), 0.0)
+            period = 1.0 / rate if rate else 0.0
+        if period > 0.0:
+            return period
     return None

@@ -55,7 +55,7 @@ def load_record(
         raise RecordError(f"a {type(path).__name__} is no name of a file; give a path, or several") from fault
     records = []
     for one in paths:
-        record = _load_file(one, columns, jitter, accept, split_at_gaps)
+        record = Record.from_segments(*checked(one.name, _content(one, columns), jitter, accept, split_at_gaps))
         records.append(record if len(paths) == 1 else _named_after(record, one.stem))
     if len(records) == 1:
         return records[0]
@@ -141,10 +141,6 @@ def record_of(given: Any) -> Record:
         f"a {type(given).__name__} is no record; give a Record, a DataFrame or the name of a file, or make one with "
         "Record.from_arrays(u_V, y_um, Ts_s)"
     )
-
-
-def _load_file(path: Path, columns: Columns, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Record:
-    return Record.from_segments(*checked(path.name, _content(path, columns), jitter, accept, split_at_gaps))
 
 
 def _opened(path: Path) -> Text | FileArrays:

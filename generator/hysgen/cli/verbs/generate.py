@@ -109,7 +109,8 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError(
             f"--assembler {arguments.assembler} is the syntax of the kernels' file; add --kernels {known}"
         )
-    code = generate(model, dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels)))
+    options = dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels))
+    code = generate(model, options, arguments.force)
     if arguments.kernels:
         code = with_kernels(code, arguments.kernels, arguments.assembler)
     for line in code.warnings:
