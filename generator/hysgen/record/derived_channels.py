@@ -47,8 +47,8 @@ MOST_ROWS = 20_000
 FEWEST_ROWS = 100
 """Samples of a run that the tests need; a column of a shorter record is kept."""
 
-EQUAL_STEPS = 1e-6
-"""Largest deviation of a step of a clock from the mean step, relative to the mean step."""
+EQUAL_STEPS = 1e-3
+"""Largest deviation of a step of a clock from the usual step, relative to that."""
 
 
 def left_out(runs: Sequence[Segment]) -> dict[str, str]:
@@ -76,7 +76,7 @@ def _counts(values: Floats) -> bool:
     mean = float(steps.mean())
     # Wrapped counters (0 .. 255) have a negative step now and then.
     usual = float(np.median(steps))
-    even = np.abs(steps - usual) <= max(EQUAL_STEPS * abs(usual), 1e-3 * abs(usual))
+    even = np.abs(steps - usual) <= EQUAL_STEPS * abs(usual)
     return usual != 0.0 and mean != 0.0 and float(np.mean(even)) > 0.95 and bool((steps[even] * usual > 0.0).all())
 
 

@@ -134,13 +134,8 @@ def runs_of_arrays(
         )
     runs = []
     for number, (label, values) in enumerate(u):
-        origin = Origin(
-            source,
-            columns.time,
-            columns.voltage,
-            columns.displacement,
-            index_of if len(u) == 1 else partial(_index_in_segment, label),
-        )
+        locate = index_of if len(u) == 1 else partial("segment {}, index {}".format, label)
+        origin = Origin(source, columns.time, columns.voltage, columns.displacement, locate)
         stamps = NO_STAMPS
         if time is not None:
             stamps = columns.in_base_unit("time", series_of(source, columns.time, time[number]))
@@ -219,10 +214,6 @@ def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[st
         and np.squeeze(array).ndim == 1
         and array.dtype.kind in "fiub"
     )
-
-
-def _index_in_segment(label: str, row: int) -> str:
-    return f"segment {label}, index {row}"
 
 
 def _as_many(source: str, name: str, series: Sequence[tuple[str, Array]], count: int) -> list[Array]:
