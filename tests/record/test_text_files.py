@@ -195,6 +195,9 @@ PACKED |= {"csv.xz": lzma.compress(TEXT), "csv.gz": gzip.compress(TEXT, mtime=0)
 
 
 @pytest.mark.parametrize("suffix", PACKED)
-def test_a_packed_file_is_read_without_options(suffix: str, tmp_path: Path) -> None:
+def test_a_packed_file_is_read_and_no_bomb(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / f"log.{suffix}").write_bytes(PACKED[suffix])
     check(load_record(tmp_path / f"log.{suffix}"))
+    monkeypatch.setattr("hysgen.record.formats.packed.MOST_BYTES", 99)
+    with pytest.raises(RecordError, match="is more than 0 GiB unpacked"):
+        load_record(tmp_path / f"log.{suffix}")

@@ -111,8 +111,7 @@ def test_a_jump_is_no_wrong_reading(size_um: float) -> None:
 def test_coarse_readings_switching_and_the_bundled_record_have_no_wrong_readings() -> None:
     for y_um in (np.rint(Y_UM / 0.4) * 0.4, Y_UM + 1.0 * (K // 37 % 2)):
         assert wrong_readings(Segment("0", U_V, y_um)) == []
-    record = demo_record()
-    assert record.without_wrong_readings() is record
+    assert (record := demo_record()).without_wrong_readings() is record
 
 
 def test_rows_of_later_segments_and_of_parts_count_from_the_start_of_the_record() -> None:

@@ -23,7 +23,8 @@ def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list
     an axis of segments; indices start at 0. Returns (label, (n,) array) for each segment.
     Raises RecordError if there is no such array, if it has several axes and no selection, or if an index is outside.
     """
-    name, index = (text, None) if key_of(arrays, text) else _cut_selection(text)
+    chosen = None if key_of(arrays, text) else re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
+    name, index = chosen.groups() if chosen else (text, None)
     key = key_of(arrays, name)
     if key is None:
         there = ", ".join(sorted(arrays)) or "no numeric arrays"
@@ -51,11 +52,6 @@ def key_of(arrays: Mapping[str, Array], name: str) -> str | None:
         return name
     ending = [key for key in arrays if key.rpartition("/")[2] == name]
     return ending[0] if len(ending) == 1 else None
-
-
-def _cut_selection(text: str) -> tuple[str, str | None]:
-    match = re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
-    return (match.group(1), match.group(2)) if match else (text, None)
 
 
 def _series(source: str, name: str, array: Array, index: str) -> Iterator[tuple[str, Array]]:

@@ -285,12 +285,8 @@ def parts_of_frame(frame: Any, columns: Columns | str | Mapping[str, Any] | None
         content = of_file_arrays("DataFrame", collected(starmap(Series, arrays.items())), columns_of(columns))
         return checked("DataFrame", content, JITTER, (), False)
     except RecordError as fault:
-        raise RecordError(re.sub(r'--columns ("[^"]*"|[^\s;,]+)', _as_argument, str(fault))) from fault
-
-
-def _as_argument(option: re.Match[str]) -> str:
-    """The option of the command line as the argument of Python."""
-    return f'columns="{option.group(1).strip(chr(34))}"'
+        # The option of the command line is an argument of Python.
+        raise RecordError(re.sub(r'--columns (?:"([^"]*)"|([^\s;,]+))', r'columns="\1\2"', str(fault))) from fault
 
 
 def checked(source: str, content: Content, jitter: float, accept: Collection[str], split_at_gaps: bool) -> Parts:

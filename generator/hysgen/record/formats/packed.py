@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from hysgen.errors import RecordError
 from hysgen.record.formats import unpacked
@@ -16,42 +17,55 @@ from hysgen.record.formats.base import FileArrays, Format, Text, check_parts
 
 ZIP = b"PK\x03\x04"
 
-PACKED: Mapping[bytes, tuple[str, Callable[[bytes], bytes]]] = {
-    b"\x1f\x8b": ("gzip", gzip.decompress),
-    b"BZh": ("bzip2", bz2.decompress),
-    b"\xfd7zXZ": ("xz", lzma.decompress),
+MOST_BYTES = 2 << 30
+"""Size up to which a packed file is unpacked: some 50 million rows; a bomb states or reaches more."""
+
+PACKED: Mapping[bytes, tuple[str, Callable[[Path], Any]]] = {
+    b"\x1f\x8b": ("gzip", gzip.open),
+    b"BZh": ("bzip2", bz2.open),
+    b"\xfd7zXZ": ("xz", lzma.open),
 }
 """What packed a file, and how it is unpacked, by the first bytes."""
 
 
 def parts_of(path: Path, head: bytes) -> list[str]:
-    """The names of the files in a zip; [] for other files, and for damaged ones."""
+    """The names of the files in a zip; [] for other files, and for damaged ones. Raises RecordError for a bomb."""
     if not head.startswith(ZIP):
         return []
     try:
         with zipfile.ZipFile(path) as archive:
+            _check_size(path, sum(part.file_size for part in archive.infolist()))
             return [name for name in archive.namelist() if not name.endswith("/") and not name.startswith("__MACOSX/")]
     except (zipfile.BadZipFile, OSError, EOFError, RuntimeError):
         return []
 
 
 def read_packed(path: Path) -> Text | FileArrays:
-    data = path.read_bytes()
+    with path.open("rb") as stream:
+        head = stream.read(max(map(len, PACKED)))
     for magic, (what, unpack) in PACKED.items():
-        if data.startswith(magic):
+        if head.startswith(magic):
             try:
-                return _inner(path, path.name.removesuffix(path.suffix), unpack(data))
+                with unpack(path) as packed:
+                    data = packed.read(MOST_BYTES + 1)
+                _check_size(path, len(data))
+                return _inner(path, path.name.removesuffix(path.suffix), data)
             except (OSError, EOFError, ValueError, lzma.LZMAError) as fault:
                 raise RecordError(f"{path.name}: is no whole {what} file ({fault}); pack it again") from fault
     try:
         with zipfile.ZipFile(path) as archive:
-            parts = parts_of(path, data[:4])
+            parts = parts_of(path, head)
             check_parts(path.name, parts)
             if len(parts) == 1:
                 return _inner(path, Path(parts[0]).name, archive.read(parts[0]))
     except (zipfile.BadZipFile, OSError, EOFError, RuntimeError) as fault:
         raise RecordError(f"{path.name}: is no whole zip file ({fault}); pack it again") from fault
     raise RecordError(f"{path.name}: holds {len(parts)} files; unpack it and name the record")
+
+
+def _check_size(path: Path, size: int) -> None:
+    if size > MOST_BYTES:
+        raise RecordError(f"{path.name}: is more than {MOST_BYTES >> 30} GiB unpacked; unpack it and give a part")
 
 
 def _inner(path: Path, name: str, data: bytes) -> Text | FileArrays:
