@@ -104,6 +104,7 @@ def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.Cap
         (["fit", "no-such-file.csv", "-o", "x.json"], "no-such-file.csv"),
         (["fit", "{record}", "--rows", "9000:10", "-o", "x.json"], "rows: '9000:10'"),
         (["fit", "{record}", "--forgetting", "1.5", "-o", "x.json"], "forgetting: 1.5"),
+        (["fit", "{record}", "--columns", "speed=u_V", "-o", "x.json"], "speed"),
         (["score", "{record}", "{record}"], "stage.csv"),
         (["describe", "appendix_z"], "appendix_z"),
         (["generate", "appendix_a", "--learn", "rules", "--learn-forgetting", "1.5", "-o", "x"], "forgetting 1.5"),
