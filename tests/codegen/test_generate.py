@@ -149,7 +149,7 @@ def test_an_inverse_over_a_collapsed_range_or_one_that_noise_moves_is_refused() 
     generate(dataclasses.replace(collapsed, grid=Grid(2.0, 3.0, 6)))
     for stored in ({"noise_floor": {"rms_um": 1.0}}, {"warnings": [NO_BETTER]}):
         harmful = dataclasses.replace(load_model("appendix_a"), scores={"identification": stored})
-        with pytest.raises(HysgenError, match="half the noise|a constant"):
+        with pytest.raises(HysgenError, match=r"half the noise|a constant"):
             hysgen.generate(harmful)
         assert hysgen.generate(harmful, force=True).texts
 

@@ -23,7 +23,7 @@ termios tgmath threads time trace uchar ulimit unistd utime utmpx wchar wctype w
 
 _TYPES: Final = """
 blkcnt blksize clock clockid cnd dev div fpos fsblkcnt fsfilcnt gid id imaxdiv ino key ldiv lldiv mbstate mode mtx nlink
-off pid ptrdiff size ssize suseconds thrd timer tss uid useconds wctrans wint
+off pid ptrdiff size ssize suseconds thrd timer tss uid useconds wctrans wint caddr daddr fsid loff quad u_quad
 int8 int16 int32 int64 uint8 uint16 uint32 uint64 intmax uintmax intptr uintptr int_fast8 int_fast16 int_fast32
 int_fast64 int_least8 int_least16 int_least32 int_least64 uint_fast8 uint_fast16 uint_fast32 uint_fast64 uint_least8
 uint_least16 uint_least32 uint_least64 char8 char16 char32 max_align
