@@ -53,16 +53,23 @@ RESTING = 200
 class Scored:
     """A chain with what its score needs.
 
-    fit: by least squares to `scene`. orders: sum of the orders of its parameters.
+    fit: by least squares to `scene`. orders: sum of the orders of its parameters. weights: number of its weights that
+    the rows determine.
     """
 
     scene: Scene
     fit: Fit
     orders: float
+    weights: float
 
     @classmethod
     def of(cls, scene: Scene, fit: Fit) -> Self:
-        return cls(scene, fit, orders(scene, fit.chain))
+        size = determined(scene, fit)
+        shape = sum(one.order for _, one in fit.chain.parameters)
+        added = sum(part.weight_orders for part in fit.chain.parts)
+        return cls(
+            scene, fit, octaves(size) + shape + added, size + len(fit.weights) - scene.hysteresis_size(fit.chain)
+        )
 
     @property
     def chain(self) -> Chain:
@@ -91,7 +98,7 @@ class Scored:
 
     def score(self, independent: float) -> float:
         """The score with a number of independent samples that is common to the compared chains."""
-        penalty = self.orders * math.log(independent) + len(self.fit.weights) + prior_score(self.chain)
+        penalty = self.orders * math.log(independent) + self.weights + prior_score(self.chain)
         return 2.0 * independent * math.log(self.fit.rms_um + 1e-300) + penalty - self.evidence
 
     @cached_property
@@ -203,10 +210,25 @@ def least_growth(independent: float, prior_odds: float) -> float:
     return math.exp(0.5 * least / independent)
 
 
-def orders(scene: Scene, chain: Chain) -> float:
-    """Sum of the orders of all parameters of a chain; the hysteresis counts as one function."""
-    shape = sum(one.order for _, one in chain.parameters)
-    return octaves(scene.hysteresis_size(chain)) + shape + sum(part.weight_orders for part in chain.parts)
+def determined(scene: Scene, fit: Fit) -> float:
+    """Number of weights of the hysteresis that the rows determine to less than the span of the displacement (MacKay).
+
+        sum over the eigenvalues x of the Gram matrix of the columns of h of  x / (x + (rms / span)^2)
+
+    A command of a few levels determines as many weights as it has levels, however many the hysteresis has.
+    """
+    level = (fit.rms_um / float(np.ptp(scene.y_um[scene.rows]))) ** 2 + 1e-300
+    powers = _powers(scene, fit.chain.memory)
+    return float(np.sum(powers / (powers + level)))
+
+
+@functools.lru_cache(maxsize=8)
+def _powers(scene: Scene, memory: bool) -> Floats:
+    """Eigenvalues of the Gram matrix of the columns of h, without limits before it, on the rows."""
+    chain = Chain(scene.Ts_s, memory=memory)
+    parts = [h[:, len(run.history) :] for run, h in zip(scene.runs, scene.hysteresis(chain), strict=True)]
+    columns = np.hstack(parts)[:, scene.rows]
+    return np.maximum(np.linalg.eigvalsh(columns @ columns.T), 0.0)
 
 
 def prior_score(chain: Chain) -> float:

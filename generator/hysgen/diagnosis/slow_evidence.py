@@ -94,7 +94,7 @@ class Whitenings:
         rows, scores = len(self.scene.rows), []
         for one in candidates:
             fit = self.fit(one.chain, residual)
-            penalty = one.orders * math.log(rows) + len(fit.weights) + prior_score(one.chain)
+            penalty = one.orders * math.log(rows) + one.weights + prior_score(one.chain)
             scores.append(rows * fit.rms_um**2 + penalty)
         return scores
 
@@ -142,7 +142,7 @@ def _beside_slow_causes(one: Scored) -> Hashable:
 
 def penalty(larger: Scored, smaller: Scored, independent: float) -> float:
     """Rise of the score by the parameters and the prior odds of the larger chain alone."""
-    rise = (larger.orders - smaller.orders) * math.log(independent) + len(larger.fit.weights) - len(smaller.fit.weights)
+    rise = (larger.orders - smaller.orders) * math.log(independent) + larger.weights - smaller.weights
     return rise + prior_score(larger.chain) - prior_score(smaller.chain)
 
 

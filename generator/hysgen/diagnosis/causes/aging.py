@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature, turns
+from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature, comes_back
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors, whitened_fit
@@ -77,8 +77,8 @@ class AgingCause(Cause):
     part = AgingPart
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
-        """A gain that changes shows where a level is passed again; on one way it has the course of a creep."""
-        return not self.present(fit.chain) or turns(scene)
+        """A gain that changes shows where a level is passed again; elsewhere it has the course of creep or of a curve."""
+        return not self.present(fit.chain) or comes_back(scene)
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         again = "swings early and late at one level" if seen.returns else "repeat the first swings at the end"

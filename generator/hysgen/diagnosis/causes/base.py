@@ -26,6 +26,9 @@ from hysgen.record.excitation import Excitation
 Floats = NDArray[np.float64]
 
 
+LEVELS = 20
+"""Levels of the command that count as apart: within a twentieth of the range a curve is a straight line."""
+
 FEWEST_LIMITED, LEAST_CHANGE = 10, 1e-3
 """Least number of fitted rows on which a limit acts, by at least this share of the range: fewer show no level."""
 
@@ -118,6 +121,14 @@ def turns(scene: Scene) -> bool:
     """Whether the command of any run ever turns: on one way no voltage is passed twice."""
     moves = (np.diff(run.u_V, prepend=run.history.u_V) for run in scene.runs)
     return any(bool((move_V < 0.0).any() and (move_V > 0.0).any()) for move_V in moves)
+
+
+def comes_back(scene: Scene) -> bool:
+    """Whether most rows lie on levels, a LEVELS-th of the range each, that the command has left and come back to."""
+    low_V, high_V = scene.operator.low_V, scene.operator.high_V
+    levels = [np.floor(LEVELS * (run.u_V - low_V) / (high_V - low_V)).astype(np.intp) for run in scene.runs]
+    visits = np.bincount(np.concatenate([level[np.diff(level, prepend=-1) != 0] for level in levels]))
+    return bool(np.mean(visits[np.concatenate(levels)[scene.rows]] > 1) > 0.5)
 
 
 class Cause(abc.ABC):

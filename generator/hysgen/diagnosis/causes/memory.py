@@ -42,6 +42,7 @@ class MemoryCause(Cause):
     name = "memory"
     kind = "hysteresis"
     rank = 40
+    prior_odds = 999.0  # every ceramic remembers: of drives without it, one in a thousand is measured for a hysteresis
     experiment = Piece.NESTED
 
     def present(self, chain: Chain) -> bool:

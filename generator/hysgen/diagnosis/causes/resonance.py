@@ -24,6 +24,7 @@ from hysgen.diagnosis.probe import (
     RunSignals,
     Scene,
     Trace,
+    TrainingFit,
     standard_errors,
 )
 from hysgen.errors import FitError
@@ -42,6 +43,9 @@ APART, MOST_STARTS = 0.25, 6
 
 OTHER_LAGS = (0.3, 3.0, 30.0)
 """Lags in samples from which a first mode starts, beside that of the chain."""
+
+EARLIEST = 0.25
+"""Starting value of the time by which modes are seen early, in samples."""
 
 MOST_MODES = 3
 KNOWN = 5e-3
@@ -119,6 +123,11 @@ class ResonanceCause(Cause):
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
         return [chain.having(Modes.of(less, chain.lag_s)) for less in fewer]
 
+    def simpler_forms(self, chain: Chain) -> list[Chain]:
+        """Modes that are not seen early."""
+        modes = chain.get(Modes)
+        return [] if modes is None or modes.early_s is None else [chain.having(dataclasses.replace(modes, early_s=None))]
+
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         shown = f"of {0.5 / seen.record.Ts_s:.4g} Hz that the sampling shows"
         return seen.highest_Hz > 0.0, f"the voltage has power up to {seen.highest_Hz:.4g} Hz {shown}"
@@ -133,6 +142,9 @@ class ResonanceCause(Cause):
             return []
         structure = _structure(scene, len(chain.modes))
         whole = [] if structure is None else [chain.having(structure)]
+        modes = chain.get(Modes)
+        if modes is not None and modes.early_s is None:
+            whole.append(chain.having(dataclasses.replace(modes, early_s=EARLIEST * scene.Ts_s)))
         if len(chain.modes) >= MOST_MODES:
             return whole
         grid = [Mode(f_Hz, zeta, 1.0) for zeta in DAMPINGS for f_Hz in _grid_Hz(residual)]
@@ -160,6 +172,11 @@ class ResonanceCause(Cause):
         proposed = [chain.having(Modes.of((*chain.modes, *more), chain.lag_s)) for more in sets]
         return whole + (proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s))
 
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
+        """The best proposals of one more mode, and that of modes that are seen early: it starts from a guess."""
+        early = [one for one in candidates if any(mode.early_s for mode in one.chain.modes)]
+        return [*early[:1], *(one for one in candidates if one not in early[:1])][: self.starts + len(early[:1])]
+
     def effect(self, residual: Residual) -> Effect:
         """Of a mode at a twentieth of the sampling rate."""
         f_Hz = 0.05 / residual.scene.Ts_s
@@ -182,6 +199,10 @@ class ResonanceCause(Cause):
             parameters[f"zeta{suffix}"] = Estimate(mode.zeta, mode.zeta * dz)
             parameters[f"share{suffix}"] = Estimate(mode.share, ds)
             texts.append(f"rings at {mode.f_Hz:.4g} Hz with damping ratio {mode.zeta:.3g}, share {mode.share:.2g}")
+        early = chain.of(Modes).early_s
+        if early is not None:
+            parameters["early_s"] = Estimate(early, errors["resonance.early_s"])
+            texts.append(f"the sensor sees it {1e6 * early:.3g} us before the end of the sample")
         z = min(abs(m.share) / max(errors[f"resonance.{i}.share"], 1e-15) for i, m in enumerate(chain.modes))
         return Signature(z, "; ".join(texts), parameters)
 

@@ -3,12 +3,13 @@
     w = (1 - sum_j q_j) x + sum_j q_j osc_j(x),   osc'' + 2 zeta w0 osc' + w0^2 osc = w0^2 x,   w0 = 2 pi f
     c(k+1) = c(k) + s (x(k) - c(k)),   s = 1 - exp(lambda Ts),   lambda = (-zeta - i sqrt(1 - zeta^2)) w0
 
-exact for an input held over a sample; c = position + i velocity, with osc = Re c - zeta/sqrt(1 - zeta^2) Im c. The
+exact for an input held over a sample; c = position + i velocity, with osc = Re c - zeta/sqrt(1 - zeta^2) Im c. A
+sensor that is read within the sample sees osc + early osc' in place of osc (zeta - w0 early in place of zeta there). The
 rules hold their input over a sample too, but a mode goes on moving in it. The block therefore puts out the mean of osc
 over the coming sample, weighted as the lag of the rules (lag_s = tau) weights it:
 
     osc(k) = Re(M c(k)) + (1 - Re M) x(k),
-    M = (1 + i zeta/sqrt(1 - zeta^2)) (exp(lambda Ts) - a) / ((1 - a)(1 + lambda tau))
+    M = (1 + i (zeta - w0 early)/sqrt(1 - zeta^2)) (exp(lambda Ts) - a) / ((1 - a)(1 + lambda tau))
 
 with a = exp(-Ts/tau): behind the lag, the chain is exact.
 Source: Rader and Gold (1967), coupled form; Franklin, Powell and Workman, Digital Control (1998), section 4.3.
@@ -20,8 +21,8 @@ import dataclasses
 import functools
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,9 @@ MODE = (
 )
 """Shape parameters of one mode."""
 
+EARLY = ShapeParameter("early_s", "s", lambda e: (1e-3 * e.Ts_s, e.Ts_s), step=lambda e: 1e-3 * e.Ts_s)
+"""Shape parameter of all modes: more than a sample is a negative delay."""
+
 DECAYED, MOST_IMPULSE = 1e-4, 1_000_000
 """Rest of an impulse response at which the sum of its magnitudes ends, and the most samples of it."""
 
@@ -58,7 +62,8 @@ LEAST_DIRECT = 1e-3
 class Modes(InputBlock):
     """Modes of undamped frequency `f_Hz`, damping ratio `zeta` and `share` q, (m,) each; `lag_s`: lag of the rules.
 
-    Raises ValueError if a frequency or the lag is not positive or a damping ratio outside 1e-4 .. 0.95.
+    early_s: time by which the sensor sees them early, None for 0. Raises ValueError if a frequency or the lag is not
+    positive, a damping ratio outside 1e-4 .. 0.95 or early_s no number.
     """
 
     kind: ClassVar[str] = "modes"
@@ -81,6 +86,7 @@ class Modes(InputBlock):
     zeta: tuple[float, ...]
     share: tuple[float, ...]
     lag_s: float
+    early_s: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         f = np.asarray(self.f_Hz, dtype=np.float64)
@@ -92,28 +98,34 @@ class Modes(InputBlock):
             raise ValueError(f"zeta must give each mode a damping ratio of {LEAST_DAMPING} to {MOST_DAMPING}")
         if not self.lag_s > 0.0:
             raise ValueError("lag_s must be positive")
+        if not math.isfinite(self.early_s or 0.0):
+            raise ValueError("early_s must be finite")
 
     @classmethod
     def of(cls, modes: Sequence[Mode], lag_s: float) -> Self:
-        """The block of these modes behind a lag."""
+        """The block of these modes, all as early as the first, behind a lag."""
         rising = sorted(modes, key=lambda mode: mode.f_Hz)
         f_Hz, zeta, share = zip(*((mode.f_Hz, mode.zeta, mode.share) for mode in rising), strict=True)
-        return cls(f_Hz, zeta, share, lag_s)
+        return cls(f_Hz, zeta, share, lag_s, early_s=rising[0].early_s or None)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
-        return tuple(map(Mode, self.f_Hz, self.zeta, self.share))
+        early_s = self.early_s or 0.0
+        return tuple(Mode(*mode, early_s) for mode in zip(self.f_Hz, self.zeta, self.share, strict=True))
 
     @property
     def parameters(self) -> tuple[tuple[str, ShapeParameter], ...]:
-        return tuple((f"{self.cause}.{i}.{item.field}", item) for i in range(len(self.f_Hz)) for item in MODE)
+        early = () if self.early_s is None else ((f"{self.cause}.{EARLY.field}", EARLY),)
+        return (*((f"{self.cause}.{i}.{item.field}", item) for i in range(len(self.f_Hz)) for item in MODE), *early)
 
     @property
     def values(self) -> tuple[float, ...]:
-        return tuple(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share))
+        early = () if self.early_s is None else (self.early_s,)
+        return (*(value for mode in self.modes for value in (mode.f_Hz, mode.zeta, mode.share)), *early)
 
     def with_values(self, values: Sequence[float]) -> Self:
-        return self.of([Mode(*values[i : i + 3]) for i in range(0, len(values), 3)], self.lag_s)
+        early = values[3 * len(self.f_Hz) :]
+        return self.of([Mode(*values[i : i + 3], *early) for i in range(0, 3 * len(self.f_Hz), 3)], self.lag_s)
 
     def behind(self, lag_s: float) -> Self:
         return dataclasses.replace(self, lag_s=lag_s)
@@ -166,13 +178,13 @@ class Modes(InputBlock):
         return steps
 
     def residues(self) -> NDArray[np.complex128]:
-        """(m,) Q of each mode: q (1 + i zeta/sqrt(1 - zeta^2)) / (1 + lambda tau)."""
+        """(m,) Q of each mode: q (1 + i (zeta - w0 early)/sqrt(1 - zeta^2)) / (1 + lambda tau)."""
         residues = np.empty(len(self.f_Hz), dtype=np.complex128)
         for j, (f, zeta, q) in enumerate(zip(self.f_Hz, self.zeta, self.share, strict=True)):
             root, w_tau = math.sqrt(1.0 - zeta * zeta), 2.0 * math.pi * f * self.lag_s
             re, im = 1.0 - zeta * w_tau, -root * w_tau
-            scale = q / (re * re + im * im)
-            residues[j] = complex(scale * (re + zeta / root * im), scale * (zeta / root * re - im))
+            scale, turn = q / (re * re + im * im), (zeta - 2.0 * math.pi * f * (self.early_s or 0.0)) / root
+            residues[j] = complex(scale * (re + turn * im), scale * (turn * re - im))
         return residues
 
     def weights(self, Ts_s: float) -> tuple[Floats, Floats]:
@@ -191,7 +203,8 @@ class Modes(InputBlock):
             f"{f:.5g} Hz (damping {zeta:.3g}, share {q:.3g})"
             for f, zeta, q in zip(self.f_Hz, self.zeta, self.share, strict=True)
         )
-        return "modes at " + ", ".join(modes)
+        early = "" if self.early_s is None else f", seen {1e6 * self.early_s:.3g} us early"
+        return "modes at " + ", ".join(modes) + early
 
     def start(self, x: float) -> Floats:
         """State at rest under x: position x, velocity 0, mode after mode."""
@@ -215,14 +228,16 @@ class Modes(InputBlock):
     def image(self, u_V: Interval) -> Interval:
         """The bound of a linear block: half the width of the range times the integral of |impulse response|.
 
-            |1 - sum q| + sum_j |q_j| coth(pi zeta_j / (2 sqrt(1 - zeta_j^2)))
+            |1 - sum q| + sum_j |q_j| (coth(pi zeta_j / (2 sqrt(1 - zeta_j^2))) + 2 w0_j early / (1 - r_j))
 
+        r: what half a turn leaves. The impulse response of osc' rises to at most w0 in each half turn, and falls again.
         w(k) is a mean of osc with positive weights, so that no command inside the range drives w out of it.
         """
         factor = abs(self.stiff)
-        for zeta, q in zip(self.zeta, self.share, strict=True):
-            half_turn = exp(-math.pi * zeta / math.sqrt(1.0 - zeta * zeta))  # what half a turn of the mode leaves
-            factor += abs(q) * (1.0 + half_turn) / (1.0 - half_turn)
+        for f, zeta, q in zip(self.f_Hz, self.zeta, self.share, strict=True):
+            half_turn = exp(-math.pi * zeta / math.sqrt(1.0 - zeta * zeta))
+            early = 4.0 * math.pi * f * abs(self.early_s or 0.0)
+            factor += abs(q) * (1.0 + half_turn + early) / (1.0 - half_turn)
         return u_V.scaled(factor)
 
     def zero(self, Ts_s: float) -> float:
@@ -273,6 +288,11 @@ class Modes(InputBlock):
                 "velocity_low", "float", "rounding error of `velocity`, added to the next step", modes, unit=INPUT_UNIT
             ),
         )
+
+    def to_json(self) -> dict[str, Any]:
+        """Without early_s where the sensor is not early, as before it was known."""
+        plain = super().to_json()
+        return {name: value for name, value in plain.items() if name != EARLY.field or value is not None}
 
     def mirror(self, u_V: Floats32, Ts_s: float) -> ModesMirror:
         return ModesMirror(self, self.constants(Ts_s), u_V)

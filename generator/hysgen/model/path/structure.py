@@ -37,6 +37,8 @@ class Structure(Modes):
         super().__post_init__()
         if len(self.quadrature) != len(self.share) or not np.isfinite(self.quadrature).all():
             raise ValueError("quadrature must have one finite number for each mode")
+        if self.early_s is not None:
+            raise ValueError("early_s stands in the quadrature of each mode")
         if not self.Ts_s > 0.0:
             raise ValueError("Ts_s must be positive")
 
