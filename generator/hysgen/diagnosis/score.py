@@ -215,17 +215,18 @@ def determined(scene: Scene, fit: Fit) -> float:
 
         sum over the eigenvalues x of the Gram matrix of the columns of h of  x / (x + (rms / span)^2)
 
-    A command of a few levels determines as many weights as it has levels, however many the hysteresis has.
+    A command of a few levels determines as many weights as it has levels, however many the hysteresis has; of plays that
+    relax, which move at rest too, it determines more.
     """
     level = (fit.rms_um / float(np.ptp(scene.y_um[scene.rows]))) ** 2 + 1e-300
-    powers = _powers(scene, fit.chain.memory)
+    relaxing = tuple(part for part in fit.chain.amplifier if part.relaxation > 0.0)
+    powers = _powers(scene, Chain(scene.Ts_s, relaxing, fit.chain.memory))
     return float(np.sum(powers / (powers + level)))
 
 
 @functools.lru_cache(maxsize=8)
-def _powers(scene: Scene, memory: bool) -> Floats:
-    """Eigenvalues of the Gram matrix of the columns of h, without limits before it, on the rows."""
-    chain = Chain(scene.Ts_s, memory=memory)
+def _powers(scene: Scene, chain: Chain) -> Floats:
+    """Eigenvalues of the Gram matrix of the columns of h on the rows."""
     parts = [h[:, len(run.history) :] for run, h in zip(scene.runs, scene.hysteresis(chain), strict=True)]
     columns = np.hstack(parts)[:, scene.rows]
     return np.maximum(np.linalg.eigvalsh(columns @ columns.T), 0.0)
