@@ -149,9 +149,9 @@ class _Information:
         power, whole = float(left @ left), float(direction @ direction)
         if power <= 1e-12 * whole or whole == 0.0:
             return math.inf, 0.0, ""
-        growth = least_growth(
-            self.scored.independent_samples(dispersion(fit.error[rows], left)), causes()[name].prior_odds
-        )
+        # What the rows show of themselves: a cause that is likelier than not before them is named without showing.
+        odds = min(causes()[name].prior_odds, 1.0)
+        growth = least_growth(self.scored.independent_samples(dispersion(fit.error[rows], left)), odds)
         least = math.sqrt(growth**2 - 1.0) * fit.rms_um / math.sqrt(power / len(left))
         share, hidden_by = power / whole, ""
         if share < LEAST_SHARE:
