@@ -48,13 +48,13 @@ def staircase(rng: np.random.Generator, samples: int) -> Floats:
     return np.repeat(rng.uniform(0.0, 10.0, samples // 20 + 1), 20)[:samples]
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.3, 2.6])
-def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: float) -> None:
+@pytest.mark.parametrize(("delay", "early_s"), [(0.0, 0.0), (0.3, 4e-4), (2.6, 0.0)])
+def test_lag_mode_and_fractional_delay_equal_the_differential_equation(delay: float, early_s: float) -> None:
     h = staircase(np.random.default_rng(1), 400)
-    mode = Mode(40.0, 0.05, 0.4)
+    mode = Mode(40.0, 0.05, 0.4, early_s)
     w = 2 * math.pi * mode.f_Hz
     # States: lag, mode, its rate. The mode carries 0.4 of what drives the lag of 4 ms.
-    A = np.array([[-250.0, 250.0 * 0.4, 0.0], [0.0, 0.0, 1.0], [0.0, -w * w, -2 * 0.05 * w]])
+    A = np.array([[-250.0, 250.0 * 0.4, 100.0 * early_s], [0.0, 0.0, 1.0], [0.0, -w * w, -2 * 0.05 * w]])
     B = np.array([[250.0 * 0.6], [0.0], [w * w]])
     fine = 100  # divides every delay above into whole steps of 10 us
     held = np.repeat(h - h[0], fine)

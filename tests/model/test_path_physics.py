@@ -86,11 +86,12 @@ def test_modes_that_float32_cannot_hold_are_refused() -> None:
     "block",
     [
         Modes((150.0,), (0.01,), (0.8,), 1e-3),
+        Modes((150.0,), (0.01,), (0.8,), 1e-3, early_s=1e-4),
         Modes((150.0, 2100.0), (0.02, 0.05), (1.7, -0.9), 4e-4),
         Structure((150.0, 900.0), (0.02, 0.05), (0.7, 0.2), 4e-4, (0.1, -0.2), TS_S),
         Creep(0.02, (1e-3, 0.01)),
     ],
-    ids=["mode", "modes", "structure", "creep"],
+    ids=["mode", "early", "modes", "structure", "creep"],
 )
 def test_the_worst_command_reaches_most_of_the_range_of_w_and_never_leaves_it(block: InputBlock) -> None:
     """w is limited to this range, in Python and in C: what a command of the range can make of a mode is inside it."""
