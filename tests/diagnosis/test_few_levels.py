@@ -15,7 +15,7 @@ F_HZ, ZETA = 380.0, 0.025
 
 
 def stepped(early: int) -> Record:
-    """Backlash of three widths, creep by 1.5 % in each of three decades, and a mode, read early / FINE samples early."""
+    """Backlash of three widths, creep by 1.5 % in each of three decades, a mode, read early / FINE samples early."""
     levels, play = np.array(LEVELS_V), np.zeros((3, len(LEVELS_V)))
     for k in range(1, len(levels)):
         play[:, k] = np.clip(play[:, k - 1], levels[k] - (5.0, 12.0, 20.0), levels[k] + np.array((5.0, 12.0, 20.0)))

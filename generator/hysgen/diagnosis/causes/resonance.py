@@ -126,7 +126,9 @@ class ResonanceCause(Cause):
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Modes that are not seen early."""
         modes = chain.get(Modes)
-        return [] if modes is None or modes.early_s is None else [chain.having(dataclasses.replace(modes, early_s=None))]
+        return (
+            [] if modes is None or modes.early_s is None else [chain.having(dataclasses.replace(modes, early_s=None))]
+        )
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         shown = f"of {0.5 / seen.record.Ts_s:.4g} Hz that the sampling shows"

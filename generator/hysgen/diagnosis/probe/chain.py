@@ -269,7 +269,9 @@ def _lag(lag_s: float, mode: Mode | None, Ts_s: float, late: float) -> tuple[Flo
         # The older value acts for the first late * Ts of the period and decays until the end.
         return np.array([0.0, 1.0 - a_new, a_new - a]), np.array([1.0, -a, 0.0])
     w = 2.0 * math.pi * mode.f_Hz
-    A = np.array([[-1.0 / lag_s, 1.0 / lag_s, mode.early_s / lag_s], [0.0, 0.0, 1.0], [0.0, -w * w, -2.0 * mode.zeta * w]])
+    A = np.array(
+        [[-1.0 / lag_s, 1.0 / lag_s, mode.early_s / lag_s], [0.0, 0.0, 1.0], [0.0, -w * w, -2.0 * mode.zeta * w]]
+    )
     b = np.array([0.0, 0.0, w * w])
     whole, part = _held(A, b, Ts_s), _held(A, b, (1.0 - late) * Ts_s)
     phi, g_new = whole[0], part[1]
