@@ -4,9 +4,9 @@
     c(k+1) = c(k) + s (x(k) - c(k)),   s = 1 - exp(lambda Ts),   lambda = (-zeta - i sqrt(1 - zeta^2)) w0
 
 exact for an input held over a sample; c = position + i velocity, with osc = Re c - zeta/sqrt(1 - zeta^2) Im c. A
-sensor that is read within the sample sees osc + early osc' in place of osc (zeta - w0 early in place of zeta there). The
-rules hold their input over a sample too, but a mode goes on moving in it. The block therefore puts out the mean of osc
-over the coming sample, weighted as the lag of the rules (lag_s = tau) weights it:
+sensor that is read within the sample sees osc + early osc' in place of osc: zeta - w0 early in place of zeta there.
+The rules hold their input over a sample too, but a mode goes on moving in it. The block therefore puts out the mean of
+osc over the coming sample, weighted as the lag of the rules (lag_s = tau) weights it:
 
     osc(k) = Re(M c(k)) + (1 - Re M) x(k),
     M = (1 + i (zeta - w0 early)/sqrt(1 - zeta^2)) (exp(lambda Ts) - a) / ((1 - a)(1 + lambda tau))
