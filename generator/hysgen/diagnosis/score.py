@@ -215,8 +215,8 @@ def determined(scene: Scene, fit: Fit) -> float:
 
         sum over the eigenvalues x of the Gram matrix of the columns of h of  x / (x + (rms / span)^2)
 
-    A command of a few levels determines as many weights as it has levels, however many the hysteresis has; of plays that
-    relax, which move at rest too, it determines more.
+    A command of a few levels determines as many weights as it has levels, however many the hysteresis has; of plays
+    that relax, which move at rest too, it determines more.
     """
     level = (fit.rms_um / float(np.ptp(scene.y_um[scene.rows]))) ** 2 + 1e-300
     relaxing = tuple(part for part in fit.chain.amplifier if part.relaxation > 0.0)

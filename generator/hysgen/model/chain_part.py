@@ -96,7 +96,7 @@ def octaves(count: int) -> float:
 
 @dataclass(frozen=True)
 class Mode:
-    """share (1 + early_s s) / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; the remaining share responds without a mode."""
+    """share (1 + early_s s) / (1 + 2 zeta s/w + s^2/w^2), w = 2 pi f_Hz; the rest responds without a mode."""
 
     f_Hz: float
     zeta: float

@@ -77,7 +77,7 @@ class AgingCause(Cause):
     part = AgingPart
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
-        """A gain that changes shows where a level is passed again; elsewhere it has the course of creep or of a curve."""
+        """A gain that changes shows where a level is passed again; elsewhere it looks like creep or a curve."""
         return not self.present(fit.chain) or comes_back(scene)
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
