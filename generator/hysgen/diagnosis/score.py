@@ -229,7 +229,7 @@ def _powers(scene: Scene, chain: Chain) -> Floats:
     """Eigenvalues of the Gram matrix of the columns of h on the rows."""
     parts = [h[:, len(run.history) :] for run, h in zip(scene.runs, scene.hysteresis(chain), strict=True)]
     columns = np.hstack(parts)[:, scene.rows]
-    return np.maximum(np.linalg.eigvalsh(columns @ columns.T), 0.0)
+    return np.asarray(np.maximum(np.linalg.eigvalsh(columns @ columns.T), 0.0))
 
 
 def prior_score(chain: Chain) -> float:

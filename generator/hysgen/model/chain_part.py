@@ -86,7 +86,7 @@ class ShapeParameter:
         return min(max(coordinate, low), high)
 
 
-def octaves(count: int) -> float:
+def octaves(count: float) -> float:
     """Number of parameters that a function counts as which is given by `count` weights: 1 + log2(count).
 
     The weights of a smooth function decrease from each octave of its detail to the next, so an octave counts as one.
