@@ -317,9 +317,6 @@ def test_a_model_goes_into_other_tools_and_to_the_firmware(
     assert files.model.learner is not None
     assert "model.h" in files.texts
     assert hysgen.image(model, Label(device=3)) != hysgen.image(model)
-    for name, one in {"1.json": model, "2.json": hysgen.refit(model, record)[0]}.items():
-        hysgen.save_model(one, tmp_path / name)
-    assert len(hysgen.history(tmp_path).files) == 2
     assert hysgen.schema("score")["$id"] == "hysgen-score-1"
     with pytest.raises(hysgen.HysgenError, match="scores: no such schema"):
         hysgen.schema("scores")

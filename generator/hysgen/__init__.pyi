@@ -18,7 +18,6 @@ from hysgen.api.models import describe as describe
 from hysgen.api.models import design_loop as design_loop
 from hysgen.api.models import diff as diff
 from hysgen.api.models import fit as fit
-from hysgen.api.models import history as history
 from hysgen.api.models import inspect as inspect
 from hysgen.api.models import refit as refit
 from hysgen.api.models import rivals as rivals

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from hysgen.record import Record
 from hysgen.report.page import PageSection, PageTable
-from hysgen.report.plots.results import changes
 from hysgen.report.plots.simulated import (
     Simulated,
     correlation,
@@ -32,7 +31,6 @@ from hysgen.report.plots.traces import (
     thinned,
     validation,
 )
-from hysgen.uncertainty.history import History, Trend
 from hysgen_lab.studies.paper.figures import loops, tracking
 
 TS_S = 1e-3
@@ -184,16 +182,6 @@ def test_validation_and_tracking_draw_errors_in_their_units() -> None:
     assert labels(figure)[2] == ("reference [µm]", "reached [µm]")
     assert [text.get_text() for text in figure.axes[2].get_legend().get_texts()] == ["a", "b"]
     np.testing.assert_array_equal(figure.axes[2].lines[0].get_xdata(), Y_UM)
-
-
-def test_history_is_drawn_in_percent_of_its_first_model() -> None:
-    trends = (Trend("gain", "um/V", (-2.0, -2.1, -1.9)), Trend("bias", "um", (0.0, 1.0, 1.0)))
-    picture = changes(History(("1.json", "2.json", "3.json"), trends, 4.0))
-    np.testing.assert_allclose(lines(picture.figure)["gain"].get_ydata(), [0.0, -5.0, 5.0], atol=1e-12)
-    assert sorted(line.get_ydata()[0] for line in picture.figure.axes[0].lines[1:]) == [-4.0, 4.0]
-    assert picture.alt == "Largest change 5 % over 3 models."
-    assert [text.get_text() for text in picture.figure.legends[0].get_texts()] == ["gain"]
-    assert [tick.get_text() for tick in picture.figure.axes[0].get_xticklabels()] == ["1.json", "2.json", "3.json"]
 
 
 def test_tables_of_a_page_know_their_numbers_and_sections_their_anchor() -> None:

@@ -1,4 +1,4 @@
-"""Figures of a budget, of repeated levels, of a statement of the sensor and of a history, calculated by hand."""
+"""Figures of a budget, of repeated levels, of a statement of the sensor, calculated by hand."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import dataclasses
 import json
 import math
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,10 +14,6 @@ from scipy import stats
 
 from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
-from hysgen.fitting.refit import loop_frequencies
-from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.file import load_model
-from hysgen.model.model import Grid, Model
 from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor
 from hysgen.uncertainty.gum import (
@@ -29,7 +25,6 @@ from hysgen.uncertainty.gum import (
     rectangular,
     sensor_uncertainty,
 )
-from hysgen.uncertainty.history import History, Trend, trends
 from hysgen.uncertainty.simulated import (
     Evidence,
     Repeatability,
@@ -269,56 +264,3 @@ def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
     known = characterise(study, SensorUncertainty(0.2, 2.0, "s"), 0.5)
     assert [line.partition(":")[0] for line in known.missing] == ["repeatability"]
     assert known.budget.contributions[-1].name == "drift"
-
-
-def lag(gain: float, weights: tuple[float, ...] = (5e-4, 2.5e-4)) -> Model:
-    """y(k+1) = 0.98 y + gain u + 0.02 with a periodic term."""
-    grid = Grid(-5.0, 15.0, 6)
-    consequents = np.tile([0.98, gain, 0.02], (6, 1))
-    return Model("lag", 2e-5, grid, consequents, 0.0, 100.0, (Periodic((50.0,)),), np.array(weights))
-
-
-def test_a_trend_is_its_largest_change_and_a_history_its_largest_shift_at_rest() -> None:
-    assert Trend("x", "", (2.0, 3.0, 1.9)).percent == pytest.approx(50.0)
-    assert Trend("x", "", (-2.0, -1.9, -2.2)).percent == pytest.approx(10.0)
-    assert Trend("x", "", (0.0, 3.0)).percent is None
-    rows = (
-        Trend("at rest at the lowest input", "um", (1.0, 1.3, 1.1)),
-        Trend("at rest at the highest input", "um", (9.0, 8.5, 9.0)),
-        Trend("DC gain", "um/V", (0.1, 0.104, 0.104)),
-        Trend("none", "", (0.0, 7.0, 1.0)),
-    )
-    found = History(("a", "b", "c"), rows, 5.0)
-    assert found.drift_um == pytest.approx(0.5)
-    assert [trend.what for trend in found.exceeded] == [row.what for row in rows[:2]]
-    assert History((), rows, 4.0).exceeded == rows[:2]
-    assert History((), rows, 3.99).exceeded == rows[:3]
-    assert found.rows()[0] == ["at rest at the lowest input", "um", "1", "1.1", "30.00 %", "LIMIT"]
-    assert found.rows()[2:] == [
-        ["DC gain", "um/V", "0.1", "0.104", "4.00 %", ""],
-        ["none", "", "0", "1", "", ""],
-    ]
-    told: dict[str, Any] = found.to_json()
-    assert (told["files"], told["limit_percent"], told["drift_um"]) == (["a", "b", "c"], 5.0, found.drift_um)
-    assert told["exceeded"] == [trend.what for trend in found.exceeded]
-    assert told["trends"][2] == {
-        "what": "DC gain",
-        "unit": "um/V",
-        "values": [0.1, 0.104, 0.104],
-        "percent": rows[2].percent,
-    }
-
-
-@pytest.mark.slow
-def test_trends_are_the_properties_of_each_model_in_their_order() -> None:
-    found = trends([("a", lag(0.0016)), ("b", lag(0.0017, (5e-4, 5e-4))), ("c", lag(0.0015))], 3.0)
-    values = {trend.what: trend.values for trend in found.trends}
-    assert values["DC gain, mid-range"] == pytest.approx((0.08, 0.085, 0.075), rel=1e-6)
-    assert values["periodic: sum of its 2 weights"] == (7.5e-4, 1e-3, 7.5e-4)
-    # The loops are those of the first model, whose lag differs from the second's.
-    slower = dataclasses.replace(lag(0.001), consequents=np.tile([0.99, 0.001, 0.02], (6, 1)))
-    loops = [f"gain at {f:.3g} Hz" for f in loop_frequencies(lag(0.0016))]
-    named = [trend.what for trend in trends([("a", lag(0.0016)), ("b", slower)]).trends]
-    assert [name for name in named if name.startswith("gain at")] == loops
-    assert (found.files, found.limit) == (("a", "b", "c"), 3.0)
-    assert trends([("a", load_model("appendix_a"))] * 2).limit == 5.0

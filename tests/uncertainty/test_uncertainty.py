@@ -1,19 +1,14 @@
-"""Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, repeatability, coverage, history."""
+"""Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, repeatability, coverage."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fixtures.tools import library
-from hysgen.cli import main
-from hysgen.errors import HysgenError, ModelError
-from hysgen.model.file import load_model, save_model
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.uncertainty.gum import (
@@ -23,7 +18,6 @@ from hysgen.uncertainty.gum import (
     independent_samples,
     rectangular,
 )
-from hysgen.uncertainty.history import history
 from hysgen.uncertainty.simulated import Evidence, Repeatability, budget, repeatability
 from hysgen_lab.studies.coverage import coverage
 
@@ -135,28 +129,3 @@ def test_model_error_is_split_by_cause_and_its_sum_is_kept() -> None:
     assert sum(c.freedom for c in split.contributions if c.name.startswith("model")) == pytest.approx(
         next(c.freedom for c in whole.contributions if c.name == "model error")
     )
-
-
-def test_history_shows_what_moved_and_exits_by_the_limit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    model = load_model("appendix_a")
-    folder = tmp_path / "stage"
-    folder.mkdir()
-    with pytest.raises(HysgenError, match="holds 0 model files; a history needs two"):
-        history(folder)
-    for month, gain in enumerate((1.0, 1.01, 1.04)):
-        consequents = model.consequents * np.array([1.0, gain, 1.0])
-        save_model(dataclasses.replace(model, consequents=consequents), folder / f"2026-{month + 1:02}.json")
-    report = tmp_path / "history.json"
-    assert (
-        main(["history", str(folder), "--limit", "10", "--plot", str(tmp_path / "h.png"), "--json", str(report)]) == 0
-    )
-    assert (tmp_path / "h.png").stat().st_size > 10_000
-    data = json.loads(report.read_text())
-    moved = next(trend for trend in data["trends"] if trend["what"] == "DC gain, mid-range")
-    assert moved["percent"] == pytest.approx(4.0, abs=0.5)
-    assert data["drift_um"] > 0.0
-    assert main(["history", str(folder), "--limit", "3"]) == 1
-    assert "beyond 3 %: DC gain, mid-range" in capsys.readouterr().out
-    save_model(load_model("extended"), folder / "2026-04.json")
-    with pytest.raises(ModelError, match="structures differ"):
-        history(folder)

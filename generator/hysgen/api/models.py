@@ -42,8 +42,6 @@ from hysgen.trajectory.learning import learn
 from hysgen.trajectory.limits import Limits
 from hysgen.trajectory.plan import Waveform, plan
 from hysgen.trajectory.reference import Form, reference_of, series_of
-from hysgen.uncertainty.history import LIMIT_PERCENT, History
-from hysgen.uncertainty.history import history as history_of
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -122,11 +120,6 @@ def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Compar
     first = model_of(old)
     compared = compare_models(first, model_of(new), [sound_record(record) for record in records])
     return compared.shown_in(first.quantities)
-
-
-def history(folder: str | Path, limit_percent: float = LIMIT_PERCENT) -> History:
-    """What moved over all refits of a stage: its model files in one folder, ordered by name. Raises HysgenError."""
-    return history_of(Path(folder), limit_percent)
 
 
 def rivals(

@@ -1,1 +1,1 @@
-"""Measurement uncertainty after the GUM: sensor, repeatability, simulated displacement, history of a stage."""
+"""Measurement uncertainty after the GUM: sensor, repeatability, simulated displacement."""

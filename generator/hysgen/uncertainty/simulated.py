@@ -238,7 +238,7 @@ def characterise(study: Study, sensor: SensorUncertainty, drift_um: float | None
     )
     missing = []
     if drift_um is None:
-        missing.append("drift since the record: state --drift-since, or keep a history (hysgen history)")
+        missing.append("drift since the record: state --drift-since")
     if seen.spread_um is None:
         missing.append("repeatability: the record repeats no step between two levels")
     return Characterisation(budget(evidence), seen, _removed(study), tuple(missing))

@@ -34,7 +34,6 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "later": {
         "refit": ("refit", "identify a model again from a new record: same structure, new numbers"),
         "diff": ("refit", "what changed from one model to another"),
-        "history": ("history", "what moved over all refits of a stage, with a limit for scripts"),
         "image": ("firmware", "a model's numbers as a parameter image for running firmware"),
         "firmware": ("firmware", "the files that the firmware needs of a model, and the cost of its image"),
         "schema": ("schema", "the JSON Schema of the result of a verb, of a model file, of a manifest"),

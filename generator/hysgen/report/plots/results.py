@@ -1,4 +1,4 @@
-"""Pictures of the method `.plot()` of a result and of the history of a stage."""
+"""Pictures of the method `.plot()` of a result."""
 
 from __future__ import annotations
 
@@ -21,10 +21,8 @@ from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.report.plots import style
 from hysgen.report.plots.diagnosis import pictures
-from hysgen.report.plots.style import NOTE, Picture, figure
 from hysgen.report.plots.traces import LOOP_POINTS, envelope, horizon, validation
 from hysgen.trajectory.plan import Waveform
-from hysgen.uncertainty.history import History
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,22 +149,3 @@ def _(result: LoopDesign) -> Drawing:
     below.set(xlabel="frequency [Hz]", ylabel="phase [degrees]", ylim=(-720.0, 0.0))
     side.set(xlabel="time [ms]", ylabel="displacement after a push of 1")
     return Drawing(fig)
-
-
-def changes(history: History) -> Picture:
-    """Change from the first model, one line per property, and the limit."""
-    fig = figure()
-    axes = fig.add_subplot()
-    places = np.arange(len(history.files))
-    for trend in history.trends:
-        if trend.percent is not None:
-            values = np.asarray(trend.values)
-            axes.plot(places, 100.0 * (values - values[0]) / abs(values[0]), marker=".", label=trend.what)
-    for sign in (-1.0, 1.0):
-        axes.axhline(sign * history.limit, color=NOTE, linestyle="--")
-    axes.set_xticks(places, history.files, rotation=30, ha="right")
-    axes.set_ylabel("change since the first model, %")
-    axes.set_title("What moved?")
-    fig.legend(loc="outside right center")
-    worst = max((trend.percent or 0.0 for trend in history.trends), default=0.0)
-    return Picture("history", "What moved?", f"Largest change {worst:.3g} % over {len(places)} models.", fig)

@@ -1,4 +1,4 @@
-"""link, history and demo: what each hands on, in which order, what it says, and its exit code."""
+"""link and demo: what each hands on, in which order, what it says, and its exit code."""
 
 from __future__ import annotations
 
