@@ -290,8 +290,6 @@ CALLS: Mapping[str, dict[str, Any]] = {
     },
     "link port": {"action": "status", "value": None, "baud": 115_200},
     "link port reference 2.5 --baud 9600 --key k": {"action": "reference", "value": "2.5", "baud": 9600, "key": "k"},
-    "history d --limit 3 --plot p.png": {"limit": 3.0, "plot": "p.png"},
-    "history d": {"limit": 5.0},
     "prove d --samples 5 --calls a,b": {"samples": 5, "calls": "a,b"},
     "prove d": {"samples": 100_000, "calls": ""},
     "verify d": {"samples": None, "updates": None, "seed": 1, "target": None, "machine": None},
