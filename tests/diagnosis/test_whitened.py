@@ -18,7 +18,7 @@ from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, refine, whitened_fit
-from hysgen.machine.kernels.estimation import innovation_gains, innovations
+from hysgen.machine.kernels.run import innovation_gains, innovations
 from hysgen.record import Record
 from hysgen_lab.stage import Density, NoiseEffect, Relays, Stage
 from hysgen_lab.stage import run as measure

@@ -20,9 +20,8 @@ from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.export import export_texts, exports, write_export
-from hysgen.export.base import Samples
+from hysgen.export.base import MODES, Samples
 from hysgen.export.check import Reference, compare, inputs
-from hysgen.export.component import MODES
 from hysgen.export.fmu import archive
 from hysgen.machine.files import digest
 from hysgen.model.file import load_model

@@ -17,7 +17,7 @@ from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
 from hysgen.export import a2l, base, check, export_texts, fmu, shared, write_export
-from hysgen.export.component import MODES, component_facts, exact
+from hysgen.export.base import MODES, component_facts, exact
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member, Status

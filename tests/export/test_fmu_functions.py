@@ -11,8 +11,8 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.export import export_texts
+from hysgen.export.base import MODES
 from hysgen.export.check import Reference, inputs
-from hysgen.export.component import MODES
 from hysgen.export.fmu import Variable, fmu_variables
 from hysgen.machine.native import Library, build
 from hysgen.model.structs import Status

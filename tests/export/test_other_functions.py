@@ -15,8 +15,8 @@ from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.codegen.manifest import c_files
 from hysgen.export import export_texts
+from hysgen.export.base import MODES, Mode
 from hysgen.export.check import Reference, inputs
-from hysgen.export.component import MODES, Mode
 from hysgen.machine.native import Library, build, default_toolchain
 from hysgen.model.disturbances import channels_of
 

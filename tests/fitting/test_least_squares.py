@@ -12,7 +12,7 @@ from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, fit
 from hysgen.fitting.identify import partition, structure_for
 from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
-from hysgen.machine.kernels.estimation import triangularise
+from hysgen.machine.kernels.run import triangularise
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import Structure, regression_rows
 from hysgen.record import Record, Segment

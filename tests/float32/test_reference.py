@@ -12,8 +12,7 @@ from fixtures.drawn_models import RULES, random_model
 from fixtures.generated_models import everything, path, smooth
 from hysgen.float32.coefficients import WINDOW_REACH, coefficients
 from hysgen.float32.reference.accuracy import accuracy
-from hysgen.float32.reference.instance import Instance
-from hysgen.float32.reference.rules import rule_sums, strengths, window
+from hysgen.float32.reference.instance import Instance, rule_sums, strengths, window
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.base import TOLERANCE

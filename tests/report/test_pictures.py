@@ -12,23 +12,21 @@ from matplotlib.figure import Figure
 
 from hysgen.record import Record
 from hysgen.report.page import PageSection, PageTable
-from hysgen.report.plots.simulated import (
+from hysgen.report.plots.traces import (
     Simulated,
     correlation,
     correlation_pictures,
+    envelope,
     fit_percent,
     free_run_pictures,
     loop_pictures,
-    response_pictures,
-    time_picture,
-)
-from hysgen.report.plots.traces import (
-    envelope,
     loops_picture,
     record_picture,
+    response_pictures,
     spectra,
     spectra_picture,
     thinned,
+    time_picture,
     validation,
 )
 from hysgen_lab.studies.paper.figures import loops, tracking

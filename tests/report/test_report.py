@@ -30,8 +30,8 @@ from hysgen.record import Record
 from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable, sentence, uncertainty_section
 from hysgen.report.plots.diagnosis import error_shares, held_out_runs, pictures
-from hysgen.report.plots.simulated import time_picture
 from hysgen.report.plots.style import png_bytes, svg_bytes
+from hysgen.report.plots.traces import time_picture
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.uncertainty.gum import sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.extension import Extension
 from hysgen.fitting import PathSize
-from hysgen.model.chain_part import Mode
 from hysgen.model.disturbances import Term
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.part import Mode
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes

@@ -16,8 +16,7 @@ from pathlib import Path
 
 from hysgen.codegen import Options, generate, in_quantities
 from hysgen.errors import HysgenError
-from hysgen.export.base import Draft, Export, Written
-from hysgen.export.component import component_facts
+from hysgen.export.base import Draft, Export, Written, component_facts
 from hysgen.machine.files import write_whole
 from hysgen.model.model import Model
 from hysgen.model.path import preview

@@ -18,8 +18,7 @@ from hysgen.codegen.manifest import c_files
 from hysgen.codegen.structs import interface
 from hysgen.errors import BuildError
 from hysgen.export import export_of
-from hysgen.export.base import Samples, Words
-from hysgen.export.component import MODES, Mode, component_facts, component_texts, modes_of
+from hysgen.export.base import MODES, Mode, Samples, Words, component_facts, component_texts, modes_of
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.native import Library, build
 from hysgen.model.disturbances import channels_of

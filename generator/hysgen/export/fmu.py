@@ -21,8 +21,7 @@ from hysgen.codegen import NAMES_HOLD, Options
 from hysgen.codegen.manifest import c_files, read_folder
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
-from hysgen.export.base import Draft, Export, Samples, Words, Written
-from hysgen.export.component import component_facts, component_texts
+from hysgen.export.base import Draft, Export, Samples, Words, Written, component_facts, component_texts
 from hysgen.machine.files import data_folder, digest, write_whole
 from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain

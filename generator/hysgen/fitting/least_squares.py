@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from hysgen.errors import FitError
-from hysgen.machine.kernels.estimation import rls_updates, triangularise
+from hysgen.machine.kernels.run import rls_updates, triangularise
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts, Structure, Trust, memberships, regression_rows, structure_of
 from hysgen.record import Record

@@ -21,8 +21,8 @@ from hysgen.report.page import (
     uncertainty_section,
 )
 from hysgen.report.plots.diagnosis import pictures
-from hysgen.report.plots.simulated import fit_percent
 from hysgen.report.plots.style import Picture
+from hysgen.report.plots.traces import fit_percent
 from hysgen.report.words import CONFIDENCE, parameter_text, total_price, verdict
 from hysgen.uncertainty.simulated import Characterisation
 

@@ -27,17 +27,17 @@ from hysgen.report.page import (
     provenance_section,
 )
 from hysgen.report.plots import style
-from hysgen.report.plots.simulated import (
+from hysgen.report.plots.style import Picture
+from hysgen.report.plots.traces import (
     Simulated,
     correlation_pictures,
     fit_percent,
     free_run_pictures,
+    horizon,
     loop_pictures,
     response_pictures,
     time_picture,
 )
-from hysgen.report.plots.style import Picture
-from hysgen.report.plots.traces import horizon
 
 COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00", "#56b4e9")
 """Of the models, in their order: Okabe and Ito (2008), as in `style`."""

@@ -12,7 +12,7 @@ from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors, whitened_fit
-from hysgen.model.chain_part import STEP
+from hysgen.model.part import STEP
 from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]

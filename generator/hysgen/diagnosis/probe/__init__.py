@@ -20,7 +20,7 @@ from hysgen.diagnosis.probe.solve import (
 from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
 from hysgen.diagnosis.probe.uncertainty import StandardErrors, WhitenedScene, standard_errors, whitened_fit
 from hysgen.fitting.operator import Operator
-from hysgen.model.chain_part import Extent, Mode, Part, RunSignals, ShapeParameter, octaves
+from hysgen.model.part import Extent, Mode, Part, RunSignals, ShapeParameter, octaves
 
 __all__ = [
     "NO_HISTORY",

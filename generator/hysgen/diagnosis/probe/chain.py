@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from hysgen.machine.kernels.operators import Branch, LinearPart, linear_response, linear_response_rows
-from hysgen.model.chain_part import Extent, Mode, Part, ShapeParameter, SlowStates
+from hysgen.model.part import Extent, Mode, Part, ShapeParameter, SlowStates
 
 Floats = NDArray[np.float64]
 P = TypeVar("P", bound=Part)

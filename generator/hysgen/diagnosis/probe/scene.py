@@ -14,7 +14,7 @@ from hysgen.diagnosis.probe.trace import Moments, Trace
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache, Steps
 from hysgen.machine.kernels.operators import lag_sums
-from hysgen.model.chain_part import Extent, Part
+from hysgen.model.part import Extent, Part
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

@@ -34,8 +34,8 @@ from scipy.optimize import minimize
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import Fit, Projector, projector_off, refine, rms, sensitivities
-from hysgen.machine.kernels.estimation import innovation_gains, innovations
 from hysgen.machine.kernels.operators import lag_states
+from hysgen.machine.kernels.run import innovation_gains, innovations
 from hysgen.record.series import BLOCKS, block_edges
 
 Floats = NDArray[np.float64]

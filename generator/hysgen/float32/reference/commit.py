@@ -9,8 +9,7 @@ import numpy as np
 
 from hysgen.float32.coefficients import CommitNumbers
 from hysgen.float32.learner_words import Commit, Phase
-from hysgen.float32.reference.learner import Learner, magnitude
-from hysgen.float32.reference.learner_state import Mask
+from hysgen.float32.reference.learner import Learner, Mask, magnitude
 from hysgen.model.float32_arithmetic import Floats32, Words, bits_of
 
 _HALF = np.float32(0.5)

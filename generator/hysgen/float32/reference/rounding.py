@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.float32.coefficients import Bank, coefficients
-from hysgen.float32.reference import rules
+from hysgen.float32.reference import instance
 from hysgen.machine.reproducible import exp
 from hysgen.model import float32_arithmetic as arithmetic
 from hysgen.model.model import Model
@@ -238,7 +238,7 @@ def _worst(model: Model, *, inverse: bool) -> float:
 def _step(model: Model, y: Interval, w: Interval, *, inverse: bool) -> Enclosed:
     """y(k+1) of the reference in every cell of y and w, or the w that its inverse finds for y and y(k+1)."""
     tape, numbers, grid = Tape(), coefficients(model), model.grid
-    reference: Any = rules
+    reference: Any = instance
 
     def number(exact: float, rounded: np.float32) -> Enclosed:
         ends = Interval.over(np.full(1, exact), apart=LIBRARY)

@@ -16,10 +16,10 @@ from typing import ClassVar, Self
 import numpy as np
 
 from hysgen.errors import ModelError
-from hysgen.model.chain_part import Extent, RunSignals, octaves
 from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
+from hysgen.model.part import Extent, RunSignals, octaves
 from hysgen.model.structs import Member, Quantity, Status
 
 MOST_TAPS = 64

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import ModelError
-from hysgen.model.chain_part import Extent, RunSignals, ShapeParameter
 from hysgen.model.disturbances.base import Bits, Drive, Floats, Floats32, Mirror, Term, TermBox
 from hysgen.model.disturbances.sine import cosine_sine
+from hysgen.model.part import Extent, RunSignals, ShapeParameter
 from hysgen.model.structs import Member, Quantity
 from hysgen.record.series import turning_rows
 

@@ -21,8 +21,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.model.chain_part import ShapeParameter
 from hysgen.model.intervals import Interval
+from hysgen.model.part import ShapeParameter
 from hysgen.model.path.base import Bits, BlockBox, BlockMirror, Floats, Floats32, InputBlock
 from hysgen.model.structs import Member, Quantity
 

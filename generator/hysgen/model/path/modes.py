@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.machine.kernels.operators import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
-from hysgen.model.chain_part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval, symmetric
+from hysgen.model.part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, StateSpace, singles
 from hysgen.model.structs import INPUT_UNIT, Member, Quantity
 

@@ -13,8 +13,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.model.chain_part import Extent, ShapeParameter
 from hysgen.model.intervals import Interval
+from hysgen.model.part import Extent, ShapeParameter
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member, Quantity
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.machine.kernels.operators import slew_limited
-from hysgen.model.chain_part import ShapeParameter
 from hysgen.model.intervals import Interval
+from hysgen.model.part import ShapeParameter
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, limited
 from hysgen.model.structs import Member, Quantity
 

@@ -12,16 +12,18 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.error_map import ErrorMap, range_in_words
 from hysgen.diagnosis.evaluation import Study
 from hysgen.report.plots import style
-from hysgen.report.plots.simulated import (
+from hysgen.report.plots.style import BASE_MODEL, EXTENDED_MODEL, LINES, Picture
+from hysgen.report.plots.traces import (
     Simulated,
     correlation_pictures,
     free_run_pictures,
+    horizon,
     loop_pictures,
+    record_pictures,
     response_pictures,
+    time_label,
     time_picture,
 )
-from hysgen.report.plots.style import BASE_MODEL, EXTENDED_MODEL, LINES, Picture
-from hysgen.report.plots.traces import horizon, record_pictures, time_label
 
 Floats = NDArray[np.float64]
 

@@ -1,14 +1,20 @@
-"""Measured and simulated displacement: in time, as error, as hysteresis loops, as spectra."""
+"""Measured and simulated displacement: in time, as error, as loops, as spectra; frequency response, correlations.
+
+Frequency response by Welch's method, H1 = S_uy / S_uu, of the measured and of the simulated displacement under the same
+voltage; shown where the measured coherence exceeds LEAST_COHERENCE. Error: simulated - measured.
+"""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.evaluation import Study
@@ -186,3 +192,174 @@ def spectra(Ts_s: float, *series: Floats) -> tuple[Floats, tuple[Floats, ...]]:
     if len(parts) == 2:
         powers.append(np.mean(np.conj(parts[0]) * parts[1], axis=0))
     return np.asarray(np.fft.rfftfreq(window.size, Ts_s), dtype=np.float64), tuple(powers)
+
+
+ZOOM = 0.06
+"""Share of the samples that the zoom shows, about the largest error of the last model."""
+
+LEAST_COHERENCE = 0.8
+MOST_LAGS = 200
+BOUND = 2.58
+"""Bound of a correlation of white noise with 99 % probability, in 1/sqrt(n)."""
+
+LEAST_HEIGHT = 0.2
+"""Half the height of a cross-correlation's axis at least, so that noise does not look like a correlation."""
+
+MEASURED: dict[str, Any] = {"color": style.BEHIND, "linewidth": 2.2}
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """Measured displacement, and free runs of models under the same voltage, (n,) each; the last model is the best one.
+
+    runs: simulated displacement by the name of the model; lines: colour and line style by the same names.
+    """
+
+    t_s: Floats
+    u_V: Floats
+    measured_um: Floats
+    runs: Mapping[str, Floats]
+    lines: Mapping[str, Mapping[str, Any]]
+
+    def error_um(self, name: str) -> Floats:
+        """Error of a model, simulated - measured, (n,)."""
+        return self.runs[name] - self.measured_um
+
+    def rms_um(self, name: str) -> float:
+        """Root mean square of the error of a model."""
+        return float(np.sqrt(np.mean(self.error_um(name) ** 2)))
+
+
+def fit_percent(measured_um: Floats, simulated_um: Floats) -> float:
+    """NRMSE fit in %: 100 (1 - |y - yhat| / |y - mean y|), as system identification toolboxes state it."""
+    about = float(np.linalg.norm(measured_um - measured_um.mean()))
+    return 100.0 * (1.0 - float(np.linalg.norm(measured_um - simulated_um)) / max(about, 1e-300))
+
+
+def free_run_pictures(shown: Simulated) -> list[Picture]:
+    """Measured and simulated displacement in time, and the part of it about the largest error of the last model."""
+    name = list(shown.runs)[-1]
+    error_um = np.abs(shown.error_um(name))
+    worst = int(np.argmax(error_um))
+    half = max(20, int(0.5 * ZOOM * shown.t_s.size))
+    part = slice(max(0, worst - half), min(shown.t_s.size, worst + half))
+    fits = ", ".join(f"{key} {fit_percent(shown.measured_um, y_um):.4g} %" for key, y_um in shown.runs.items())
+    where = f"Zoom at {shown.t_s[worst]:.4g} s: {name} is wrong by {error_um[worst]:.3g} µm."
+    pictures = []
+    for key, title, rows, alt in (
+        ("free-run", "Free run", slice(None), f"Free run over {shown.t_s.size} samples; fit (NRMSE): {fits}."),
+        ("zoom", f"Zoom on the largest error: {name}", part, where),
+    ):
+        fig, axis = style.axes("time [s]", "displacement [µm]")
+        axis.plot(*envelope(shown.t_s[rows], shown.measured_um[rows]), label="measured", **MEASURED)
+        for label, y_um in shown.runs.items():
+            axis.plot(*envelope(shown.t_s[rows], y_um[rows]), label=label, **shown.lines[label])
+        axis.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        style.legend_above(axis)
+        pictures.append(Picture(key, title, alt, fig))
+    pictures[0].figure.axes[0].axvspan(shown.t_s[part][0], shown.t_s[part][-1], color=style.NOTE, alpha=0.25)
+    return pictures
+
+
+def loop_pictures(shown: Simulated) -> list[Picture]:
+    """Measured loops behind those of each model."""
+    stride = max(1, -(-shown.u_V.size // LOOP_POINTS))
+    pictures = []
+    for number, (label, y_um) in enumerate(shown.runs.items(), start=1):
+        fig, axis = style.axes("voltage [V]", "displacement [µm]")
+        axis.plot(shown.u_V[::stride], shown.measured_um[::stride], label="measured", **MEASURED)
+        axis.plot(shown.u_V[::stride], y_um[::stride], label=label, **shown.lines[label])
+        style.legend_above(axis)
+        alt = f"Displacement over voltage: {label} misses the measured loops by {shown.rms_um(label):.3g} µm rms."
+        pictures.append(Picture(f"loops-{number}", f"Loops: {label}", alt, fig))
+    return pictures
+
+
+def time_picture(shown: Simulated) -> Picture:
+    """The error against time. Each model has an axis of its own: on one axis, the smaller error is flat."""
+    fig = style.figure(style.HALF_IN[0], style.HALF_IN[1] * max(1.0, 0.35 * len(shown.runs)))
+    panels = fig.subplots(len(shown.runs), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, label in zip(panels, shown.runs, strict=True):
+        axis.plot(
+            *envelope(shown.t_s, shown.error_um(label)),
+            linewidth=style.THIN,
+            label=label,
+            color=shown.lines[label]["color"],
+        )
+        style.legend_above(axis)
+    fig.supylabel("simulated - measured [µm]", fontsize="medium")
+    panels[-1].set_xlabel("time [s]")
+    worst = "; ".join(f"{label} at most {float(np.abs(shown.error_um(label)).max()):.3g} µm" for label in shown.runs)
+    return Picture("time", "Error in time", f"Error of the free run: {worst}.", fig)
+
+
+def response_pictures(shown: Simulated) -> list[Picture]:
+    """Gain and phase against frequency, measured and simulated."""
+    Ts_s = float(np.mean(np.diff(shown.t_s)))
+    f_Hz, (uu, yy, uy) = spectra(Ts_s, shown.u_V, shown.measured_um)
+    coherent = np.abs(uy) ** 2 > LEAST_COHERENCE * uu * yy
+    coherent[0] = False
+    at_Hz = f_Hz[coherent]
+    gain, gains = style.axes("frequency [Hz]", "gain [µm/V]")
+    phase, phases = style.axes("frequency [Hz]", "phase [degrees]")
+    remarks: dict[str, list[str]] = {"gain": [], "phase": []}
+    for name, y_um in {"measured": shown.measured_um, **shown.runs}.items():
+        _, (power, _, cross) = spectra(Ts_s, shown.u_V, y_um)
+        response = cross[coherent] / power[coherent]
+        turned = np.degrees(np.unwrap(np.angle(response)))
+        line = MEASURED if name == "measured" else shown.lines[name]
+        gains.loglog(at_Hz, np.abs(response), label=name, **line)
+        phases.semilogx(at_Hz, turned, label=name, **line)
+        if at_Hz.size:
+            remarks["gain"].append(f"{name} {abs(response[0]):.3g} to {abs(response[-1]):.3g} µm/V")
+            remarks["phase"].append(f"{name} {turned[0]:.0f} to {turned[-1]:.0f} degrees")
+    for axis in (gains, phases):
+        axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
+        axis.xaxis.set_minor_formatter(NullFormatter())
+        style.legend_above(axis)
+    gains.yaxis.set_major_formatter(FuncFormatter(style.plain_number))
+    gains.yaxis.set_minor_formatter(FuncFormatter(style.three_digits))
+    span = f"from {at_Hz[0]:.3g} to {at_Hz[-1]:.3g} Hz" if at_Hz.size else f"nowhere above {LEAST_COHERENCE:g} coherent"
+    return [
+        Picture("gain", "Gain against frequency", f"Gain {span}: {'; '.join(remarks['gain'])}.", gain),
+        Picture("phase", "Phase against frequency", f"Phase {span}: {'; '.join(remarks['phase'])}.", phase),
+    ]
+
+
+def correlation_pictures(shown: Simulated) -> list[Picture]:
+    """Autocorrelation of the error of the free run, and its cross-correlation with the voltage."""
+    lags = np.arange(min(MOST_LAGS, shown.t_s.size // 4))
+    u = shown.u_V - shown.u_V.mean()
+    auto, autos = style.axes("lag [samples]", "autocorrelation")
+    cross, crosses = style.axes("lag [samples]", "cross-correlation")
+    last, largest = {}, {}
+    for name in shown.runs:
+        error = shown.error_um(name) - shown.error_um(name).mean()
+        own, other = correlation(error, error, lags), correlation(u, error, lags)
+        autos.plot(lags, own, label=name, **shown.lines[name])
+        crosses.plot(lags, other, label=name, **shown.lines[name])
+        last[name], largest[name] = own[-1], float(np.abs(other).max())
+    bound = BOUND / math.sqrt(shown.t_s.size)
+    for axis in (autos, crosses):
+        axis.axhspan(-bound, bound, color=style.NOTE, alpha=0.3, label="white noise")
+        style.legend_above(axis)
+    autos.set_ylim(min(-LEAST_HEIGHT, *(1.1 * value for value in last.values())), 1.05)
+    height = 1.1 * max(LEAST_HEIGHT, *largest.values())
+    crosses.set_ylim(-height, height)
+    noise = f"; 99 % bound of white noise {bound:.2g}"
+    after = ", ".join(f"{name} {value:.2f}" for name, value in last.items())
+    most = ", ".join(f"{name} {value:.2f}" for name, value in largest.items())
+    own_alt = f"Autocorrelation after {lags[-1]} samples: {after}{noise}."
+    return [
+        Picture("autocorrelation", "Autocorrelation of the error", own_alt, auto),
+        Picture("cross-correlation", "Cross-correlation of voltage and error", f"At most {most}{noise}.", cross),
+    ]
+
+
+def correlation(first: Floats, second: Floats, lags: NDArray[np.intp]) -> Floats:
+    """sum_k first(k) second(k + lag) / sqrt(sum first^2 sum second^2) for each lag >= 0; inputs about their means."""
+    n = first.size
+    size = 2 * n
+    spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
+    scale = math.sqrt(float(first @ first) * float(second @ second)) or 1.0
+    return np.asarray(np.fft.irfft(spectrum, size)[lags] / scale)
