@@ -37,7 +37,7 @@ from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.report import words
 from hysgen.report.diagnosis import diagnosis_page, file_names, key_figures
-from hysgen.report.model import ScoredModels, folder_page, model_page
+from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import (
     TERMS,
     PageSection,
@@ -452,17 +452,12 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     shown = ScoredModels(
         record, {"a": model(), "b": other}, {"a": scored("a", 0.02, 0.4), "b": scored("b", 0.005, 0.3)}, rivals
     )
-    page = model_page("title", shown, EQUAL, COST, "command")
+    page = model_page("title", shown, "command")
     assert list(page.lead) == ["Free run over 600 samples: a 0.4 um rms, b 0.3 um rms; the noise is 0.01 um."]
-    assert [figure.label for figure in page.figures] == [
-        "free run, a", "free run, b", "noise floor", "one sample", "generated C",
-    ]  # fmt: skip
+    assert [figure.label for figure in page.figures] == ["free run, a", "free run, b", "noise floor"]
     assert page.figures[0].value == "0.4 µm"
     assert page.figures[0].note.startswith("1.2 % of the stroke; fit (NRMSE) ")
-    assert [(one.value, one.note) for one in page.figures[2:]] == [
-        ("0.01 µm", "from rests of the input"), ("300 cycles", "8 % of its period"),
-        ("equal bits", "1050 samples per build"),
-    ]  # fmt: skip
+    assert (page.figures[2].value, page.figures[2].note) == ("0.01 µm", "from rests of the input")
     assert [row[:2] for row in cells(page.sections[0])] == [
         ["a, free run", "0.40000"], ["b, free run", "0.30000"],
         ["a, free run, own", "0.40000"], ["b, free run, own", "0.30000"],
@@ -479,19 +474,8 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     np.testing.assert_allclose(free["b"].get_xdata(), T_S)
     assert (free["a"].get_color(), free["b"].get_color()) == (style.SIMULATED, style.EXTENDED)
     assert drawn["horizon"].alt == "Error rms from one step on: a 0.02 to 0.4 µm, b 0.005 to 0.3 µm."
-    titles = [section.title for section in page.sections]
-    assert titles[3:5] == ["Generated C against its reference", "Cost against budget"]
-    assert len(model_page("", shown).sections) == len(titles) - 2
-    assert len(model_page("", shown, EQUAL).sections) == len(titles)
     provenance = dict(cells(page.sections[-1]))
     assert (provenance["command"], provenance["model"].split(",")[0]) == ("command", "other")
-    estimate = dataclasses.replace(COST, per_sample=Cycles(300, False))
-    folder = folder_page(model(), WRONG, estimate)
-    assert [(one.value, one.note) for one in folder.figures] == [
-        ("NOT EQUAL", "1050 samples per build"), ("~300 cycles", "of 3750"),
-    ]  # fmt: skip
-    assert list(folder.lead) == [f"{WRONG.summary().title}."]
-    assert folder_page(model(), EQUAL, COST).figures[0].value == "equal bits"
 
 
 # In pictures

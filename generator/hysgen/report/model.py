@@ -1,4 +1,4 @@
-"""Reports of models: scored side by side on a record, or as a folder of generated C."""
+"""Reports of models, scored side by side on a record."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hysgen.checking.bits.report import Report
-from hysgen.checking.cost import Cost
 from hysgen.model.model import Model
 from hysgen.model.scores import OWN, SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
@@ -20,8 +18,6 @@ from hysgen.report.page import (
     Page,
     PageSection,
     PageTable,
-    cost_section,
-    equivalence_section,
     glossary_section,
     model_section,
     provenance_section,
@@ -69,13 +65,8 @@ class ScoredModels:
         return rows + [(f"{name}, free run", score) for name, score in self.rivals]
 
 
-def model_page(
-    title: str, scored: ScoredModels, report: Report | None = None, price: Cost | None = None, command: str = ""
-) -> Page:
-    """The report of models on a record. report, price: of the C of the last model, None if no C was generated.
-
-    command: the command line that repeats the report, if there is one.
-    """
+def model_page(title: str, scored: ScoredModels, command: str = "") -> Page:
+    """The report of models on a record. command: the command line that repeats the report, if there is one."""
     best, record = list(scored.models.values())[-1], scored.record
     shown, pictures = _pictures(scored)
     return Page(
@@ -85,7 +76,7 @@ def model_page(
             + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scored.scores.items())
             + f"; the noise is {scored.noise.rms_um:.2g} um."
         ],
-        figures=_key_figures(scored, shown, report, price),
+        figures=_key_figures(scored, shown),
         sections=[
             PageSection(
                 "Scores",
@@ -104,7 +95,6 @@ def model_page(
                 notes=["Error: simulated - measured. Grey band of the correlations: 99 % of those of white noise."],
             ),
             model_section(best),
-            *([equivalence_section(report), cost_section(price)] if report or price else []),
             glossary_section(),
             provenance_section(
                 best,
@@ -118,9 +108,9 @@ def model_page(
     )
 
 
-def _key_figures(scored: ScoredModels, shown: Simulated, report: Report | None, price: Cost | None) -> list[KeyFigure]:
-    """Free-run errors and noise floor; with generated C its cost and the equality of its bits."""
-    figures = [
+def _key_figures(scored: ScoredModels, shown: Simulated) -> list[KeyFigure]:
+    """Free-run errors and noise floor."""
+    return [
         KeyFigure(
             f"free run, {name}",
             f"{s.free_run.e_rms_um:.3g} µm",
@@ -128,16 +118,7 @@ def _key_figures(scored: ScoredModels, shown: Simulated, report: Report | None, 
             f"{fit_percent(shown.measured_um, shown.runs[name]):.4g} %",
         )
         for name, s in scored.scores.items()
-    ]
-    figures.append(
-        KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", scored.noise.describe().partition(" rms ")[2])
-    )
-    if price is not None:
-        figures.append(KeyFigure("one sample", _cycles(price), f"{100 * price.share:.2g} % of its period"))
-    if report is not None:
-        bits = "equal bits" if report.equal else "NOT EQUAL"
-        figures.append(KeyFigure("generated C", bits, f"{report.samples} samples per build"))
-    return figures
+    ] + [KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", scored.noise.describe().partition(" rms ")[2])]
 
 
 def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
@@ -164,32 +145,3 @@ def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
         time_picture(shown),
         Picture("horizon", "Error against the horizon", f"Error rms from one step on: {ends}.", drawn),
     ]
-
-
-def _cycles(price: Cost) -> str:
-    """Cycles of one sample; a tilde marks an estimate."""
-    return f"{'' if price.per_sample.measured else '~'}{price.per_sample.value} cycles"
-
-
-def folder_page(model: Model, report: Report, price: Cost, command: str = "") -> Page:
-    """The report of a folder of generated C: equality of bits, cost, certificates, glossary, provenance.
-
-    command: the command line that repeats the report, if there is one.
-    """
-    return Page(
-        title=f"Generated C of model {model.name}",
-        lead=[report.summary().title + "."],
-        figures=[
-            KeyFigure(
-                "generated C", "equal bits" if report.equal else "NOT EQUAL", f"{report.samples} samples per build"
-            ),
-            KeyFigure("one sample", _cycles(price), f"of {price.budget}"),
-        ],
-        sections=[
-            equivalence_section(report),
-            cost_section(price),
-            model_section(model),
-            glossary_section(),
-            provenance_section(model, [("command", command)] if command else []),
-        ],
-    )

@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hysgen.api.code import Generated, cost, prove, verify
+from hysgen.api.code import Generated, prove, verify
 from hysgen.checking.bits import DEFAULT_SAMPLES
 from hysgen.checking.bits.functions import LEARNING_SHARE
 from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
 from hysgen.checking.proof.emulated_program import PLATFORMS
-from hysgen.cli.console import Console, command_line
+from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb
 from hysgen.codegen.manifest import read_folder
 from hysgen.errors import HysgenError
-from hysgen.machine.files import write_whole
 from hysgen.targets import Extent, named, target, targets
 from hysgen.targets.emulated import SAMPLES as EMULATED_SAMPLES
 
@@ -57,7 +56,6 @@ def verify_arguments(parser: argparse.ArgumentParser) -> None:
         f"(default {LEARNING_SHARE:g} of the samples)",
     )
     parser.add_argument("--seed", type=int, default=1, help="of the inputs (default %(default)s)")
-    parser.add_argument("--report", metavar="FILE.html", help="write the result as one page that needs no other file")
     parser.add_argument(
         "--prove", action="store_true", help="also prove equality for every input, as `hysgen prove --only equal` does"
     )
@@ -89,12 +87,6 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
     samples = DEFAULT_SAMPLES if arguments.samples is None else arguments.samples
     report = verify(Path(arguments.folder), samples, console.progress, arguments.seed)
     console.say("\n".join(report.lines()))
-    if arguments.report:
-        from hysgen.report.model import folder_page
-
-        model, price = read_folder(Path(arguments.folder)).model, cost(arguments.folder)
-        write_whole(Path(arguments.report), folder_page(model, report, price, command_line()).html())
-        console.say(f"written: {arguments.report}")
     if not arguments.prove:
         return console.finish(report.to_json(), report.equal)
     proof = prove(Path(arguments.folder), ["equal"], progress=console.progress)
