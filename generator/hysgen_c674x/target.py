@@ -25,15 +25,14 @@ def verify(model: Model, texts: Texts, extent: Extent, progress: Progress) -> Eq
 
 def cost(model: Model, texts: Texts) -> TargetCost:
     """Cycles, code and stack of every function, and the kernels beside their bounds."""
-    from hysgen_c674x import toolchain
     from hysgen_c674x.footprint import footprint
     from hysgen_c674x.schedule.limits import kernel_costs, kernel_table
 
     figures, scheduled = footprint(model.name, texts), kernel_costs(model.name, texts)
     if not scheduled:
-        return TargetCost(figures, toolchain.version())
+        return TargetCost(figures)
     more = {"kernels": [cost.to_json() for cost in scheduled]}
-    return TargetCost(figures, toolchain.version(), [kernel_table(scheduled)], more)
+    return TargetCost(figures, [kernel_table(scheduled)], more)
 
 
 def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], Mapping[str, str]]:

@@ -141,8 +141,6 @@ def test_score_sets_models_beside_each_other_and_describe_says_every_part(
     [
         ("verify @c --machine arm", "--machine"),
         ("verify @c --updates 5", "--updates belongs to --target c674x; add it"),
-        ("cost @c --budget x.json", "--budget FILE belongs to --target c674x"),
-        ("cost @c --target c674x --update-budget", "--update-budget to --budget; add what is missing"),
         ("generate @m.json -o x --assembler ti", "add --kernels c674x"),
         ("generate @m.json -o x --clock 0", "--clock and --budget are positive"),
         ("generate @m.json -o x --budget 0", "--clock and --budget are positive"),

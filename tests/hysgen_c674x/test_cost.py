@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -15,9 +16,8 @@ from fixtures.generated_models import diagnosed, everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.api.code import cost
-from hysgen.checking.cost import changes, cost_of_texts, read, update
+from hysgen.checking.cost import cost_of_texts
 from hysgen.checking.host import Host
-from hysgen.cli import main
 from hysgen.codegen import Options, generate, write
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations import figures
@@ -46,6 +46,19 @@ JITTER = 6
 """Most cycles by which a function may depend on the data: gcc makes a branch of the direction of the Newton steps."""
 FUNCTIONS = ("predict", "simulate", "inverse")
 BUDGET = Path(__file__).parents[2] / "firmware" / "budget.json"
+TOLERANCE = 0.02
+"""Part of a figure by which it may differ from the budget."""
+
+
+def changes(budgeted: Mapping[str, Mapping[str, int]], found: Mapping[str, Mapping[str, int]]) -> dict[str, str]:
+    """(budget, found) of every figure that differs by more than TOLERANCE or stands on one side alone, by its name."""
+    names = {(function, figure) for side in (budgeted, found) for function in side for figure in side[function]}
+    pairs = {name: [side.get(name[0], {}).get(name[1]) for side in (budgeted, found)] for name in sorted(names)}
+    return {
+        " ".join(name): f"{was} -> {now}"
+        for name, (was, now) in pairs.items()
+        if was is None or now is None or abs(now - was) > TOLERANCE * was
+    }
 
 
 @pytest.mark.parametrize("model", STRAIGHT, ids=lambda model: model.name)
@@ -157,32 +170,6 @@ def test_estimates_are_the_stated_sums_and_a_budget_is_met_to_the_cycle() -> Non
         require_budget(model, cycles, 375e6, 299)
 
 
-def test_a_budget_file_keeps_every_model_and_tells_every_change(tmp_path: Path) -> None:
-    path, figures_of = tmp_path / "budget.json", {"predict": {"cycles": 100, "stack_bytes": 0}, "gone": {"cycles": 5}}
-    with pytest.raises(HysgenError, match="write it with --update-budget"):
-        read(path, "b")
-    update(path, "b", figures_of, "gcc 12")
-    update(path, "a", {"data": {"struct_bytes": 8}}, "gcc 13")
-    assert (read(path, "b"), read(path, "a")) == (figures_of, {"data": {"struct_bytes": 8}})
-    assert json.loads(path.read_text())["compiler"] == "gcc 13"
-    assert list(json.loads(path.read_text())["models"]) == ["a", "b"]
-    with pytest.raises(HysgenError, match="no budget for c; write it with --update-budget"):
-        read(path, "c")
-    assert changes("b", figures_of, {**figures_of, "predict": {"cycles": 102, "stack_bytes": 0}}) == []
-    found = changes("b", figures_of, {"predict": {"cycles": 103, "stack_bytes": 8, "code_bytes": 4}})
-    assert [(str(change), change.exceeds) for change in found] == [
-        ("OVER BUDGET: b, predict: cycles 103, budget 100 (+3.0 %)", True),
-        ("OVER BUDGET: b, predict: stack bytes 8, budget 0 (+800.0 %)", True),
-        ("NOT IN THE BUDGET: b, predict: code bytes 4", True),
-        ("IN THE BUDGET ONLY: b, gone: cycles 5", True),
-    ]
-    (less,) = changes("b", figures_of, {**figures_of, "predict": {"cycles": 97, "stack_bytes": 0}})
-    assert (less.exceeds, str(less)[:23]) == (False, "below budget, tighten i")
-    path.write_text("[]")
-    with pytest.raises(HysgenError, match="not a budget file"):
-        read(path, "b")
-
-
 @pytest.mark.parametrize(
     ("body", "complaint"),
     [
@@ -266,7 +253,9 @@ def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) 
 def test_estimate_of_learn_is_within_the_stated_factor_of_the_targets_code(name: str) -> None:
     """The budget file holds the cycles to the code of today."""
     counts = figures(name, texts_for_proofs(name)).operations["learn"]
-    assert 0.7 < read(BUDGET, name)["learn"]["cycles"] / estimated(counts, "learn").value < 1.3
+    assert (
+        0.7 < json.loads(BUDGET.read_text())["models"][name]["learn"]["cycles"] / estimated(counts, "learn").value < 1.3
+    )
 
 
 def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
@@ -277,12 +266,14 @@ def test_clock_of_the_options_sets_the_budget(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["appendix_a", "appendix_b", "learning", "diagnosed", "everything"])
 @pytest.mark.slow
-def test_every_function_is_within_the_budget_that_is_kept(name: str) -> None:
-    """More than 2 % over it is red; what is better asks to be written down: `hysgen cost DIR --update-budget`."""
+def test_every_function_is_within_the_budget_that_is_kept(name: str, request: pytest.FixtureRequest) -> None:
+    """More than 2 % over or under it is red; `pytest tests/hysgen_c674x/test_cost.py --update-golden` writes it."""
     need_compiler()
-    found = footprint(name, texts_for_proofs(name))
-    different = changes(name, read(BUDGET, name), found)
-    assert not different, "\n".join(str(change) for change in different)
+    found, content = footprint(name, texts_for_proofs(name)), json.loads(BUDGET.read_text())
+    if request.config.getoption("--update-golden"):
+        content["models"][name] = found
+        BUDGET.write_text(json.dumps(content, indent=2) + "\n")
+    assert changes(content["models"][name], found) == {}
     period = max(found[step]["cycles"] for step in ("predict", "simulate", "inverse"))
     period += sum(found[besides]["cycles"] for besides in ("learn", "commit") if besides in found)
     assert period <= {"learning": 4200}.get(name, 7500)
@@ -307,28 +298,15 @@ def test_the_largest_path_leaves_the_period_that_it_must() -> None:
 
 
 @pytest.mark.slow
-def test_one_operation_more_in_a_function_is_over_budget_and_one_less_asks_to_tighten(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_operation_more_in_a_function_is_over_budget_and_one_less_under_it() -> None:
     need_compiler()
-    budget_file, texts = tmp_path / "budget.json", dict(texts_for_proofs("appendix_b"))
-    write(texts, tmp_path / "as_it_is")
-    call = ["cost", str(tmp_path / "as_it_is"), "--target", "c674x", "--budget", str(budget_file)]
-    assert main(call) == 2
-    assert "write it with --update-budget" in capsys.readouterr().err
-    assert main([*call, "--update-budget"]) == 0
-    assert main(call) == 0
-    assert "within the budget" in capsys.readouterr().out
+    texts = dict(texts_for_proofs("appendix_b"))
     # A multiplication more in the chain of the prediction: 4 cycles of 170.
     intact = "const float rules = (base + u * gain) * per_weight;"
     assert intact in texts["appendix_b.c"]
     dearer = texts | {"appendix_b.c": texts["appendix_b.c"].replace(intact, intact.replace(";", " * 1.5f;"))}
-    allowed = read(budget_file, "appendix_b")
-    over = changes("appendix_b", allowed, footprint("appendix_b", dearer))
-    told = [str(change) for change in over if change.function == "predict" and change.figure == "cycles"]
-    assert re.fullmatch(r"OVER BUDGET: appendix_b, predict: cycles 17\d, budget 170 \(\+2\.\d %\)", told[0])
-    assert any(change.exceeds for change in over)
-    back = changes("appendix_b", footprint("appendix_b", dearer), allowed)
-    (better,) = [change for change in back if change.function == "predict" and change.figure == "cycles"]
-    assert not better.exceeds
-    assert "below budget, tighten it" in str(better)
+    as_it_is, more = footprint("appendix_b", texts), footprint("appendix_b", dearer)
+    assert re.fullmatch(r"170 -> 17\d", changes(as_it_is, more)["predict cycles"])
+    assert re.fullmatch(r"17\d -> 170", changes(more, as_it_is)["predict cycles"])
+    assert changes(as_it_is, as_it_is) == {}
+    assert changes({"f": {"cycles": 5}}, {"g": {"cycles": 6}}) == {"f cycles": "5 -> None", "g cycles": "None -> 6"}

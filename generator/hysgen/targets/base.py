@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from hysgen.checking.cost import Figures
 from hysgen.codegen.operations.cycles import Weights
 from hysgen.model.model import Model
+
+Figures = Mapping[str, Mapping[str, int]]
+"""Function, "all" or "data" -> name of the figure -> its value."""
 
 Texts = Mapping[str, str]
 """Files of a generated folder by name."""
@@ -43,12 +45,11 @@ class Equality(Protocol):
 class TargetCost:
     """Cost of a generated folder as the target's compiler makes it.
 
-    figures: by function, and of all code and data. compiler: its version. notes: text below the tables. further: keys
-    of the JSON beside `target`, which has the figures.
+    figures: by function, and of all code and data. notes: text below the tables. further: keys of the JSON beside
+    `target`, which has the figures.
     """
 
     figures: Figures
-    compiler: str
     notes: Sequence[str] = ()
     further: Mapping[str, Any] = field(default_factory=dict)
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.api.code import cost, generate, with_kernels
-from hysgen.checking.cost import Cost, FigureChange, changes, read, update
+from hysgen.checking.cost import Cost
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
@@ -156,38 +156,23 @@ def cost_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="{" + ",".join(named("weights")) + "}",
         help="count cycles on the target's instruction set",
     )
-    parser.add_argument("--budget", metavar="FILE", help="with --target: what each function may cost there")
-    parser.add_argument("--update-budget", action="store_true", help="write the figures into that file instead")
 
 
 def run_cost(arguments: argparse.Namespace, console: Console) -> int:
     item: Target | None = arguments.target
-    if (arguments.budget and not item) or (arguments.update_budget and not arguments.budget):
-        raise HysgenError("--budget FILE belongs to --target c674x, --update-budget to --budget; add what is missing")
     folder = Path(arguments.folder)
     generated = read_folder(folder)
-    model, name = generated.model, generated.model.name
-    measured = item.cost(model, generated.texts) if item and item.cost else None
+    measured = item.cost(generated.model, generated.texts) if item and item.cost else None
     cycles = (
         {function: row["cycles"] for function, row in measured.figures.items() if "cycles" in row} if measured else {}
     )
     price = cost(folder, cycles, timed=True, weights=item.weights if item and item.weights else C674X)
     console.say(cost_text(price))
     answer = price.to_json()
-    different: list[FigureChange] = []
     if measured:
         console.say("\n".join([footprint_text(price.processor, measured), *measured.notes]))
         answer |= {"target": measured.figures, **measured.further}
-        if arguments.update_budget:
-            update(Path(arguments.budget), name, measured.figures, measured.compiler)
-            console.say(f"written: {arguments.budget}")
-        elif arguments.budget:
-            different = changes(name, read(Path(arguments.budget), name), measured.figures)
-            console.say("\n".join(map(str, different)) or f"within the budget of {arguments.budget}")
-            answer["budget_changes"] = [
-                dataclasses.asdict(change) | {"exceeds": change.exceeds} for change in different
-            ]
-    return console.finish(answer, not any(change.exceeds for change in different))
+    return console.finish(answer)
 
 
 def footprint_text(processor: str, measured: TargetCost) -> str:
