@@ -10,7 +10,7 @@ from typing import Any
 
 from hysgen.codegen.operations.cycles import C674X
 from hysgen.model.model import Model
-from hysgen.targets.base import Equality, Extent, Kernels, Progress, Say, Target, TargetCost, Texts
+from hysgen.targets import Equality, Extent, Kernels, Progress, Say, Target, TargetCost, Texts
 
 SAMPLES = 4000
 

@@ -20,8 +20,8 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits.comparison import committer_of, compare_commit
 from hysgen.checking.host import Host, compiled
 from hysgen.float32.learner_numbers import learned_model
-from hysgen.float32.learner_words import Commit
 from hysgen.float32.reference.commit import Committer
+from hysgen.float32.struct_words import Commit
 from hysgen.machine.native import Toolchain
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model

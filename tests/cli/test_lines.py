@@ -30,8 +30,7 @@ from hysgen.firmware.image import NO_KEY, Label, encode
 from hysgen.machine.files import version
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.targets import emulated
-from hysgen.targets.base import Target
+from hysgen.targets import Target, emulated
 
 
 class Terminal(io.StringIO):

@@ -13,7 +13,7 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.codegen.selftest import hashed, learning
-from hysgen.float32.learner_words import Commit
+from hysgen.float32.struct_words import Commit
 from hysgen_lab.firmware.reference_models import firmware_models
 
 SHIPPED = {each.name: each for each in firmware_models()}

@@ -10,8 +10,7 @@ from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes.drift import Trend
 from hysgen.diagnosis.causes.memory import SIZES
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.extension_forms import with_best_forms
-from hysgen.diagnosis.ladder import add_online_parts, fit_ladder
+from hysgen.diagnosis.ladder import add_online_parts, fit_ladder, with_best_forms
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import FitSettings, PathSize

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis.causes import VOCABULARY
-from hysgen.diagnosis.inspection import Inspection, inspect
+from hysgen.diagnosis.identifiability import Inspection, inspect
 from hysgen.record import Record, check_for_fit
 
 TS_S = 1e-3

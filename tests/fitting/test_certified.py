@@ -13,9 +13,15 @@ from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, Method, fit, least_squares
-from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
 from hysgen.fitting.identify import linear_gain, structure_for
-from hysgen.fitting.least_squares import Information, disagreement, information
+from hysgen.fitting.least_squares import (
+    CertifiedSet,
+    Information,
+    certified_set,
+    disagreement,
+    information,
+    least_squares_inside,
+)
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import memberships
 from hysgen.record import Record, Segment

@@ -15,7 +15,7 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.bits.comparison import committer_of
 from hysgen.errors import CertificateError
 from hysgen.float32.coefficients import CommitNumbers, coefficients, commit_numbers, membership_derivatives
-from hysgen.float32.learner_words import Commit
+from hysgen.float32.struct_words import Commit
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.regression import memberships

@@ -20,13 +20,12 @@ from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
 from hysgen.checking.cost import Cost, FunctionCost
 from hysgen.codegen.operations import Counts
 from hysgen.codegen.operations.cycles import Cycles
-from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
+from hysgen.diagnosis.answer import Diagnosis, Left, NamedCause, Price, Refused
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import ErrorMap, Profile, Spectrum
 from hysgen.diagnosis.evaluation import Study
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain
-from hysgen.diagnosis.remaining import Left
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.certify.dynamics import Dynamics, dynamics
-from hysgen.diagnosis.inspection import Inspection
-from hysgen.diagnosis.inspection import inspect as inspect_record
+from hysgen.diagnosis.identifiability import Inspection
+from hysgen.diagnosis.identifiability import inspect as inspect_record
 from hysgen.display import OWN, WRITTEN_IN, Quantities
 from hysgen.errors import FitError, RecordWarning
 from hysgen.feedback import certificate

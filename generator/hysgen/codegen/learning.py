@@ -25,16 +25,19 @@ from hysgen.float32.learner_numbers import (
     factors,
     learner_numbers,
 )
-from hysgen.float32.learner_words import (
+from hysgen.float32.struct_words import (
     COMMIT_MEANINGS,
     LEARNER_COUNTERS,
     LEARNER_MEANINGS,
     PHASE_MEANINGS,
     Commit,
+    Described,
+    Holds,
     LearnerWords,
     Phase,
+    Restart,
+    Start,
 )
-from hysgen.float32.struct_words import Described, Holds, Restart, Start
 from hysgen.model.float32_arithmetic import ROUNDING
 from hysgen.model.model import Model
 from hysgen.model.structs import Axis, Quantity

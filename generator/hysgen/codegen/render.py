@@ -1,16 +1,25 @@
-"""Rendering of C text from a model: variables of the templates, sums over the rules, environment of Jinja2."""
+"""Rendering of C text from a model: variables of the templates, sums over the rules, environment of Jinja2.
+
+Named places in the templates where the proof inserts annotations or takes lines out.
+
+`{% hook "finite: bits" %}`, alone on its line, renders to nothing in generated C. In the text for the proof it renders
+to a line that holds HOOK and the name. A hook `guard: NAME | CALL INPUTS | C` stands before a line without which the
+proof of CALL must fail, and holds the C in its place (tests/fixtures/guards.py).
+"""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import jinja2
 import numpy as np
+from jinja2 import nodes
+from jinja2.ext import Extension
+from jinja2.parser import Parser
 
-from hysgen.codegen.hooks import Hook, MarkedHook
 from hysgen.codegen.parameters import Constant, Section, bits, literal
 from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
@@ -21,6 +30,32 @@ from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.structs import COUNTERS, MEANINGS, Status, Struct
+
+HOOK: Final = "//hook "
+"""Start of the line of a hook; the rest of the line is the name."""
+
+
+class Hook(Extension):
+    """The tag `hook` in a template that renders to nothing."""
+
+    tags = {"hook"}  # noqa: RUF012  # jinja2 declares it as a plain attribute
+
+    def parse(self, parser: Parser) -> nodes.Node:
+        """The tag and its name as an output node."""
+        line = next(parser.stream).lineno
+        return nodes.Output([self.call_method("line", [parser.parse_expression()])], lineno=line)
+
+    def line(self, name: str) -> str:
+        """The text that the hook `name` renders to."""
+        return ""
+
+
+class MarkedHook(Hook):
+    """The tag `hook` that renders to a line with its name."""
+
+    def line(self, name: str) -> str:
+        return f"{HOOK}{name}\n"
+
 
 Joining = Callable[[int, str, str], str]
 """C text of the combination of two neighbours, from level, left and right text."""

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from hysgen.certify.certificates import Certificates
 from hysgen.float32.coefficients import commit_numbers
-from hysgen.float32.learner_words import Commit
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
+from hysgen.float32.struct_words import Commit
 from hysgen.machine.reproducible import drawn
 from hysgen.model.model import Model
 from hysgen.model.structs import COUNTERS

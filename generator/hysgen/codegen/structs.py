@@ -17,8 +17,7 @@ from hysgen.codegen.manifest import MANIFEST
 from hysgen.errors import HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.learner_numbers import factors, learner_numbers
-from hysgen.float32.learner_words import Commit, LearnerWords
-from hysgen.float32.struct_words import Holds, InstanceWords, StructWords
+from hysgen.float32.struct_words import Commit, Holds, InstanceWords, LearnerWords, StructWords
 from hysgen.model.disturbances import Term, channels_of
 from hysgen.model.file import parse_model
 from hysgen.model.model import Model

@@ -15,8 +15,7 @@ from hysgen.certify.certificates import certify
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
 from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.extension_forms import with_best_forms
-from hysgen.diagnosis.ladder import fit_ladder
+from hysgen.diagnosis.ladder import fit_ladder, with_best_forms
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.procedure import DiagnoseSettings, Naming, Progress, diagnose, name_causes
 from hysgen.display import Displayed, Summary

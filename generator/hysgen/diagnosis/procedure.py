@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused
+from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, left_over
 from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.experiment import Limits, in_words, lacking, with_time_for
 from hysgen.diagnosis.extension import Correction, Extension
-from hysgen.diagnosis.extension_forms import extensions_for, with_best_forms
 from hysgen.diagnosis.identifiability import Ability, abilities, unexplained_structure
 from hysgen.diagnosis.ladder import (
     Gain,
@@ -23,14 +22,15 @@ from hysgen.diagnosis.ladder import (
     add_online_parts,
     checked_errors,
     combined_confidence,
+    extensions_for,
     fit_ladder,
     gain,
     joint_shares,
     left_by,
+    with_best_forms,
 )
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import rms
-from hysgen.diagnosis.remaining import left_over
 from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings

@@ -19,7 +19,7 @@ import numpy as np
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import structure_digest, unphased
 from hysgen.float32.coefficients import Bank, coefficients
-from hysgen.float32.learner_words import COMMIT_MEANINGS, Commit
+from hysgen.float32.struct_words import COMMIT_MEANINGS, Commit
 from hysgen.model.model import Model
 
 _MASK: Final = 0xFFFFFFFFFFFFFFFF

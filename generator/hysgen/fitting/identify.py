@@ -10,8 +10,15 @@ from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
-from hysgen.fitting.certified import CertifiedSet, certified_set, least_squares_inside
-from hysgen.fitting.least_squares import Information, Weighting, information, recursive_least_squares
+from hysgen.fitting.least_squares import (
+    CertifiedSet,
+    Information,
+    Weighting,
+    certified_set,
+    information,
+    least_squares_inside,
+    recursive_least_squares,
+)
 from hysgen.fitting.operator import CURVE
 from hysgen.fitting.path import PathColumns, known_past, path_columns, path_model
 from hysgen.fitting.path_regressors import PathTask

@@ -25,8 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
-from hysgen.fitting.certified import HalfSpaces, least_distance
-from hysgen.fitting.least_squares import windows
+from hysgen.fitting.least_squares import HalfSpaces, least_distance, windows
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
 from hysgen.fitting.path_regressors import (
     HeldWindow,

@@ -26,8 +26,15 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from hysgen.certify.certificates import certify
-from hysgen.fitting.certified import CertifiedSet, HalfSpaces, least_squares_inside
-from hysgen.fitting.least_squares import Information, Penalties, penalties_at, windows
+from hysgen.fitting.least_squares import (
+    CertifiedSet,
+    HalfSpaces,
+    Information,
+    Penalties,
+    least_squares_inside,
+    penalties_at,
+    windows,
+)
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels.run import FreeRunSums, Rules, free_run_sums
 from hysgen.model.disturbances import Drive

@@ -23,9 +23,8 @@ from hysgen.record.formats import FileArrays
 from hysgen.record.formats.base import Array, Series, collected
 from hysgen.record.names import WORDS, to_paste, words_of
 from hysgen.record.names import doubts as doubts_of_units
-from hysgen.record.overflow import mended
 from hysgen.record.relation import held, rate, relation, scale
-from hysgen.record.sampling import GAP, JITTER, gap_rows, rounding_line, sampling_period
+from hysgen.record.sampling import GAP, JITTER, gap_rows, mended, rounding_line, sampling_period
 from hysgen.record.segment import NO_STAMPS, Origin, Segment, index_of, series_of
 from hysgen.record.wrong_readings import sound
 

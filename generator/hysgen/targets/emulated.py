@@ -5,7 +5,7 @@ from __future__ import annotations
 from hysgen.checking.proof.emulated_equality import EmulationSettings, equality
 from hysgen.checking.proof.emulated_program import PLATFORMS
 from hysgen.model.model import Model
-from hysgen.targets.base import Equality, Extent, Progress, Target, Texts
+from hysgen.targets import Equality, Extent, Progress, Target, Texts
 
 SAMPLES = 20_000
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from hysgen.checking.host import Host
 from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.float32.learner_words import LEARNER_COUNTERS
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
+from hysgen.float32.struct_words import LEARNER_COUNTERS
 from hysgen.model.disturbances import Drive, channels_of
 from hysgen.model.model import Model
 from hysgen.model.path import applied

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from hysgen.checking.bits.functions import LEARNER, MODEL, CallTrace, Lanes, first_difference, weaker_stage
 from hysgen.checking.host import Host
-from hysgen.float32.learner_words import Commit
+from hysgen.float32.struct_words import Commit
 from hysgen.model.model import Model
 
 Words = NDArray[np.uint32]

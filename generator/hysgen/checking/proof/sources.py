@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hysgen.codegen import marked_source
-from hysgen.codegen.hooks import HOOK
 from hysgen.codegen.manifest import c_files
+from hysgen.codegen.render import HOOK
 from hysgen.codegen.structs import interface_of
 from hysgen.errors import ModelError
 from hysgen.model.model import Model

@@ -34,10 +34,10 @@ from hysgen.checking.symbolic.solver import SOLVER
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen.structs import Interface, interface_of
 from hysgen.float32.coefficients import Bank, coefficients, commit_numbers
-from hysgen.float32.learner_words import Phase
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
+from hysgen.float32.struct_words import Phase
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.from_c import Decision
-from hysgen.checking.symbolic.normal_form import rebuilt
-from hysgen.checking.symbolic.solver import Solver, variables
+from hysgen.checking.symbolic.solver import Solver, rebuilt, variables
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.checking.symbolic.vectors import COMPUTED, Words
 

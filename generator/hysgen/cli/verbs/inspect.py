@@ -8,7 +8,7 @@ from pathlib import Path
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
-from hysgen.diagnosis.inspection import inspect
+from hysgen.diagnosis.identifiability import inspect
 
 INSPECT_HELP = """\
 Say what a file holds: channels, units, rate, ranges, noise, excitation, and what each cause needs to show.

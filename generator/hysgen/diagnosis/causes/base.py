@@ -231,7 +231,7 @@ class Cause(abc.ABC):
         return Extension(block=part, lag_s=chain.lag_s)
 
     def forms(self, extension: Extension) -> list[Extension]:
-        """Forms of the extension in rising cost, compared by cross-validation (`extension_forms`)."""
+        """Forms of the extension in rising cost, compared by cross-validation (`ladder`)."""
         return [extension]
 
     def effect(self, residual: Residual) -> Effect | None:

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from hysgen.float32.coefficients import CommitNumbers
-from hysgen.float32.learner_words import Commit, Phase
 from hysgen.float32.reference.learner import Learner, Mask, magnitude
+from hysgen.float32.struct_words import Commit, Phase
 from hysgen.model.float32_arithmetic import Floats32, Words, bits_of
 
 _HALF = np.float32(0.5)

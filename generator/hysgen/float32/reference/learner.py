@@ -31,9 +31,8 @@ from hysgen.float32.learner_numbers import (
     LearnerNumbers,
     learner_numbers,
 )
-from hysgen.float32.learner_words import LearnerWords
 from hysgen.float32.reference.instance import Instance, finite, limited, polynomial, powers, ratio, rule_sums
-from hysgen.float32.struct_words import Holds, Restart, Start
+from hysgen.float32.struct_words import Holds, LearnerWords, Restart, Start
 from hysgen.model.float32_arithmetic import MAGNITUDE_BITS, ROUNDING, Floats32, bits_of, float_of, flushed, reciprocal
 from hysgen.model.model import Model
 

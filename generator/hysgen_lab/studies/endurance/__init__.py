@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.float32.learner_words import LEARNER_COUNTERS
+from hysgen.float32.struct_words import LEARNER_COUNTERS
 from hysgen.machine.native import build
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
 from hysgen.fitting import FitSettings, fit
-from hysgen.float32.learner_words import Commit
+from hysgen.float32.struct_words import Commit
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.scores import score

@@ -32,8 +32,7 @@ from hysgen.certify.certificates import certify
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Floats32, coefficients, commit_numbers
 from hysgen.float32.learner_numbers import FAST, learner_numbers
-from hysgen.float32.learner_words import LearnerWords
-from hysgen.float32.struct_words import Holds
+from hysgen.float32.struct_words import Holds, LearnerWords
 from hysgen.model import disturbances
 from hysgen.model.float32_arithmetic import LIMIT
 from hysgen.model.intervals import Interval, symmetric

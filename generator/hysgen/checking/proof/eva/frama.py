@@ -24,7 +24,7 @@ from hysgen.checking.proof.sources import folder_of, hook_names
 from hysgen.codegen.render import render
 from hysgen.codegen.structs import interface_of
 from hysgen.errors import BuildError
-from hysgen.float32.learner_words import LearnerWords
+from hysgen.float32.struct_words import LearnerWords
 from hysgen.model.model import Model
 
 Floats = Literal["finite", "any"]
