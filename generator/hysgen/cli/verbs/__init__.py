@@ -12,12 +12,12 @@ from hysgen.cli.outputs import Output
 
 GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "look at a record, fit a model": {
-        "inspect": ("inspect", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
+        "inspect": ("diagnose", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
         "diagnose": ("diagnose", "what the simulation gets wrong, the causes, an extended model and its gain"),
-        "experiment": ("experiment", "the voltage to play next, for what a record cannot tell"),
+        "experiment": ("diagnose", "the voltage to play next, for what a record cannot tell"),
         "fit": ("fit", "fit a model to one or several records"),
-        "score": ("score", "errors of a model: one step, against the horizon, in free run"),
-        "describe": ("score", "a model as a dynamic system: time constant, gain, loop, certificates"),
+        "score": ("fit", "errors of a model: one step, against the horizon, in free run"),
+        "describe": ("fit", "a model as a dynamic system: time constant, gain, loop, certificates"),
     },
     "from a trajectory to a voltage": {
         "simulate": ("waveform", "the displacement of a model under the voltages of a file"),
