@@ -37,6 +37,7 @@ def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "log.csv"
 
 
+@pytest.mark.slow
 def test_all_that_is_printed_and_written_is_in_the_stated_quantities(
     log: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

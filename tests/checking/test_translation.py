@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import importlib
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -27,25 +26,19 @@ from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.codegen import generate
 from hysgen.errors import BuildError, HysgenError
-from hysgen.model.model import Model
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 proofs = importlib.import_module("proofs")
 
 FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
+LATER_FIRST = ("simulate", "inverse", "predict", "limits", "init")
+"""The calls that reach most lines first."""
 LEARNING = ("learn_init", "learn", "commit")
 
 
 @pytest.fixture(autouse=True)
 def _solver() -> None:
     library("bitwuzla")
-
-
-@functools.lru_cache(maxsize=4)
-def generated(seed: int) -> tuple[Model, Mapping[str, str]]:
-    """A model with every block and term, and its C."""
-    model = random_model(seed, complete=True)
-    return model, generate(model)
 
 
 def proved(result: Translation) -> dict[str, bool]:
@@ -62,17 +55,17 @@ def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int) -> None:
-    for model in (generated(seed)[0], random_model(seed)):
-        assert proved(translation(model, generate(model))) == dict.fromkeys(FUNCTIONS, True), model
+@pytest.mark.parametrize(("seed", "complete"), [(0, True), (0, False), (1, False)])
+def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int, complete: bool) -> None:
+    model = random_model(seed, complete)
+    assert proved(translation(model, generate(model))) == dict.fromkeys(FUNCTIONS, True), model
 
 
 @pytest.mark.slow
 @pytest.mark.proof
-@pytest.mark.parametrize("parameters", [6, 18, 24])
+@pytest.mark.parametrize("parameters", [6, 18])
 def test_a_learner_and_its_commit_are_proved_for_every_input(parameters: int) -> None:
-    """In every case of the truths that the C branches on: 10, 40 and 70 s of one core."""
+    """In every case of the truths that the C branches on: 10 and 40 s of one core."""
     model = sized(parameters)
     result = translation(model, texts_of(model), calls=LEARNING)
     assert proved(result) == dict.fromkeys(LEARNING, True), result.lines()
@@ -124,23 +117,24 @@ def mutants(text: str, count: int) -> list[tuple[str, str]]:
 
 @pytest.mark.proof
 def test_no_fault_that_samples_show_is_proved_equal_and_most_faults_are_seen() -> None:
-    """Faults of the C, each judged twice: by samples of the compiled code, and by the proof."""
-    model, texts = generated(2)
+    """Faults of the C, each judged twice: by samples of the compiled code, and by the proof, up to a call left open."""
+    model = random_model(2, complete=True)
+    texts = generate(model)
     name = f"{model.name}.c"
     settings = VerifySettings(4000, compilers=["cc"], levels=["-O0"])
     judged, unseen = 0, []
-    for line, text in mutants(texts[name], 24):
+    for line, text in mutants(texts[name], 12):
         changed = {**texts, name: text}
         try:
             sampled = verify_texts(model, changed, settings).mismatches
-            by_proof = proved(translation(model, changed))
+            by_proof = all(translation(model, changed, calls=[call]).functions[0].holds for call in LATER_FIRST)
         except (BuildError, HysgenError):
             continue  # no C any more
         judged += 1
-        assert not sampled or not all(by_proof.values()), line
-        if all(by_proof.values()):
+        assert not sampled or not by_proof, line
+        if by_proof:
             unseen.append(line)
-    assert judged >= 15
+    assert judged >= 8
     assert len(unseen) <= judged // 4, unseen  # lines that compute the same, or that these functions do not reach
 
 

@@ -134,7 +134,7 @@ def _played(u_V: np.ndarray, seed: int) -> Record:
     return Record.from_arrays(u_V, y_um + 2e-3 * np.random.default_rng(seed).standard_normal(u_V.size), Ts_s)
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_the_causes_of_a_stage_are_right_in_the_record_of_its_next_experiment() -> None:
     """After six seconds of triangles of one size; creep within 20 %."""
     triangle_V = 100.0 * np.abs((np.arange(6000) / 500.0) % 2.0 - 1.0)

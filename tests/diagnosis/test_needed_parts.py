@@ -117,6 +117,7 @@ def test_a_line_on_a_harmonic_of_the_command_is_the_stages() -> None:
         assert admissible(repeated, seen) == holds
 
 
+@pytest.mark.slow
 def test_one_step_shows_creep_and_no_memory() -> None:
     """Three Kelvin elements that creep by 1 % of a step each, of a command that never turns, at 2 nm of noise."""
     rng, Ts_s, rows, step = np.random.default_rng(8), 5e-3, np.arange(4000), 300

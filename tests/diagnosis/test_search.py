@@ -50,6 +50,7 @@ def test_search_finds_the_planted_cause_and_no_other(name: str) -> None:
     assert found.confidence[name] > 0.99
 
 
+@pytest.mark.slow
 def test_search_names_nothing_when_the_residual_is_noise() -> None:
     found = search.search(scene(LAG, 0.0, {"axis2_V": AXIS2_V}))
     assert named(found) == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import DiagnoseSettings, diagnose
+from hysgen.diagnosis.procedure import name_causes
 from hysgen.model.path.loop import Loop
 from hysgen.record import Record
 from hysgen.report.words import price_of
@@ -25,26 +26,31 @@ def record(stage: Stage, seed: int, samples: int) -> Record:
     return Record.from_arrays(u_V, run(stage, u_V, TS_S, rest_V=50.0).displacement_um, fs_Hz=1.0 / TS_S)
 
 
+STILL = Stage(lag_s=2e-5, memory=None)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("softens", [True, False])
-def test_memory_in_the_loop_of_a_mode_is_named_where_it_is(softens: bool) -> None:
+def test_memory_in_the_loop_of_a_mode_is_named_extended_and_priced() -> None:
     """Iwan's elements in the plant, Duhem states in the model."""
-    mode = ResonanceEffect(F_HZ, 0.02, 1.0)
-    yielding = SofteningEffect(F_HZ, 0.02, yielding=0.5, yield_V=8.0)
-    stage = Stage(lag_s=2e-5, memory=None).with_effects(**({"softening": yielding} if softens else {"resonance": mode}))
+    stage = STILL.with_effects(softening=SofteningEffect(F_HZ, 0.02, yielding=0.5, yield_V=8.0))
     found = diagnose(record(stage, 1, 8000), record(stage, 2, 4000), DiagnoseSettings(price=price_of))
-    assert found.names == (("resonance", "softening") if softens else ("resonance",))
-    if softens:
-        cause = found.causes[1]
-        # Two states stand for a continuum of elements: the smallest amplitudes are theirs to 3 %.
-        assert cause.parameters["small_f_Hz"].value == pytest.approx(F_HZ, rel=0.05)
-        assert cause.parameters["f_Hz"].value < 0.8 * F_HZ
-        assert cause.price is not None
-        assert (cause.price.cycles or 0) > 100
-        assert found.extended_rms_um < 0.05 * found.base_rms_um
-        loop = found.model.blocks[-1]
-        assert isinstance(loop, Loop)
-        assert _last_step_um(loop) < 1e-3 * min(loop.box_um)
+    assert found.names == ("resonance", "softening")
+    cause = found.causes[1]
+    # Two states stand for a continuum of elements: the smallest amplitudes are theirs to 3 %.
+    assert cause.parameters["small_f_Hz"].value == pytest.approx(F_HZ, rel=0.05)
+    assert cause.parameters["f_Hz"].value < 0.8 * F_HZ
+    assert cause.price is not None
+    assert (cause.price.cycles or 0) > 100
+    assert found.extended_rms_um < 0.05 * found.base_rms_um
+    loop = found.model.blocks[-1]
+    assert isinstance(loop, Loop)
+    assert _last_step_um(loop) < 1e-3 * min(loop.box_um)
+
+
+@pytest.mark.slow
+def test_a_mode_of_one_frequency_is_a_resonance_alone() -> None:
+    mode = STILL.with_effects(resonance=ResonanceEffect(F_HZ, 0.02, 1.0))
+    assert name_causes(record(mode, 1, 8000)).names == ("resonance",)
 
 
 def _last_step_um(loop: Loop) -> float:

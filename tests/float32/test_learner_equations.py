@@ -44,10 +44,8 @@ SCENARIOS: dict[str, tuple[dict[str, Any], float, set[str]]] = {
 """Settings, allowed difference of theta [um] (float32 through a thousand updates), and events that must occur."""
 
 
-@pytest.mark.parametrize(
-    "scenario",
-    [name if name == "rest and change" else pytest.param(name, marks=pytest.mark.slow) for name in SCENARIOS],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("scenario", SCENARIOS)
 def test_learner_is_the_equations_and_protections_in_float64(scenario: str) -> None:
     """Every counter after every sample, theta and the running means within float32, and the C in the same bits."""
     settings, allowed_um, events = SCENARIOS[scenario]

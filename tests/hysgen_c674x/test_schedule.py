@@ -226,6 +226,7 @@ def test_a_schedule_is_shorter_than_the_one_that_is_known() -> None:
     assert planned(selected, plans.FRAMED[0], issue, cycles + 1).cycles == cycles
 
 
+@pytest.mark.slow
 def test_an_interrupt_between_any_two_packets_changes_nothing() -> None:
     """An interrupt lets every result in flight arrive; a register that waits for one may not be read or written."""
     program = assembled(framed_kernel())

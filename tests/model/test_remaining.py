@@ -100,10 +100,12 @@ def taken_over_noise(seed: int, misfit: float) -> float:
     return float(np.sqrt(np.mean((left.error_um[0] - error)[1:] ** 2))) / 0.01
 
 
+@pytest.mark.slow
 def test_nothing_is_taken_out_of_200_records_without_a_disturbance() -> None:
     assert max(taken_over_noise(seed, 0.0) for seed in range(200)) <= 0.05
 
 
+@pytest.mark.slow
 def test_the_misfit_of_a_model_is_not_taken_out() -> None:
     found = [taken_over_noise(seed, 3.0) for seed in range(200, 260)]
     # The misfit is three times the noise; a tenth of it may resemble a drift or the level of the sensor.

@@ -43,6 +43,7 @@ def smooth(rng: np.random.Generator, low_um: float, high_um: float, samples: int
     return np.asarray(low_um + (high_um - low_um) * unit)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sets(st.sampled_from(["delay", "hysteresis", "creep", "modes", "structure"])))
 def test_played_through_the_model_the_voltage_gives_the_reference(seed: int, names: set[str]) -> None:
@@ -82,6 +83,7 @@ def test_a_stage_with_zeros_outside_the_circle_is_inverted_ahead_of_the_referenc
     assert np.abs(np.array(volts) - plan.u_V[:-1]).max() < 50.0 * 3e-7 / (1.0 - LAG)
 
 
+@pytest.mark.slow
 def test_a_period_of_the_steady_state_can_be_played_for_ever() -> None:
     model = hysgen.load_model("extended")
     model = dataclasses.replace(model, blocks=tuple(b for b in model.blocks if b.kind != "creep"), certificates={})
@@ -91,6 +93,7 @@ def test_a_period_of_the_steady_state_can_be_played_for_ever() -> None:
     assert np.abs(played_um - plan.reference.values).max() < REACHED
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 0.7), st.one_of(st.none(), st.floats(0.05, 0.3)))
 def test_the_limits_hold_and_the_largest_error_is_the_least(seed: int, share: float, bend: float | None) -> None:
@@ -134,6 +137,7 @@ def least_largest_error(lead: int, wanted: np.ndarray, limits: Limits, first_V: 
     return float(answer.fun)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_reached_is_said_with_place_and_amount(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
