@@ -31,6 +31,8 @@ LOW_V, HIGH_V = -1.0, 55.0
 """Limits inside those of the converters, and close to the voltages of the way: the loop's highest is 54 V."""
 BEYOND_UM = np.float32(9.0)
 SAMPLES = 2000
+KEY = bytes([1, *bytes(15)])
+"""Of the simulator's board."""
 SPARSE = 41
 """Inside the link's frames, hashes and certificates every so many packets are skipped, a prime; elsewhere each."""
 DENSE = ("hysgen_siphash", "hysgen_crc32", "hysgen_frame", "appendix_a")
@@ -153,7 +155,7 @@ def images(target: Machine) -> None:
     """The pass of the idle loop that gets the last byte of a good image with one wrong bit in its MAC."""
     target.call("hysgen_simulated_boot")
     built_in = target.call("first_gain").bits
-    forged = bytearray(encode(replace(MODEL, consequents=MODEL.consequents * [1.0, 1.01, 1.0])))
+    forged = bytearray(encode(replace(MODEL, consequents=MODEL.consequents * [1.0, 1.01, 1.0]), KEY))
     forged[-1] ^= 1
     line = b"".join(image_frames(bytes(forged)))
     for byte in line[:-1]:

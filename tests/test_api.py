@@ -316,7 +316,7 @@ def test_a_model_goes_into_other_tools_and_to_the_firmware(
     files = hysgen.firmware_files(model)
     assert files.model.learner is not None
     assert "model.h" in files.texts
-    assert hysgen.image(model, Label(device=3)) != hysgen.image(model)
+    assert hysgen.image(model, b"k" * 16, Label(device=3)) != hysgen.image(model, b"k" * 16)
     assert hysgen.schema("score")["$id"] == "hysgen-score-1"
     with pytest.raises(hysgen.HysgenError, match="scores: no such schema"):
         hysgen.schema("scores")

@@ -54,7 +54,8 @@ INLINE = re.compile(r"__asm__(?: volatile)?\s*\((?:[^()]|\([^()]*\))*\)")
 def assembly(folder: Path, unit: str, *flags: str) -> str:
     """A C unit in `folder` as the compiler's assembly, without its own, which may be of another processor."""
     text = INLINE.sub("", (folder / unit).read_text(encoding="utf-8"))
-    command = [*default_toolchain().call, "-std=gnu99", "-w", "-fPIC", *flags, "-I.", "-S", "-o", "-", "-xc", "-"]
+    options = "-std=gnu99 -w -fPIC -DMAIN_FILLED_IN -I. -S -o - -xc -"
+    command = [*default_toolchain().call, *flags, *options.split()]
     done = subprocess.run(command, cwd=folder, input=text, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -192,7 +193,7 @@ def test_the_names_that_declarations_declare_are_read() -> None:
 def frames(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A parameter image that the firmware takes, as frames: store, CRC and MAC are at work."""
     path = tmp_path_factory.mktemp("frames") / "frames"
-    path.write_bytes(b"".join(image_frames(encode(firmware_bench.model(), Label(counter=7)))))
+    path.write_bytes(b"".join(image_frames(encode(firmware_bench.model(), firmware_bench.KEY, Label(counter=7)))))
     return path
 
 

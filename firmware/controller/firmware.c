@@ -137,7 +137,7 @@ static void firmware_answer_identity(firmware_t *self)
     hysgen_link_add(link, MODEL_BUILD);
     hysgen_link_add(link, owner->device[0]);
     hysgen_link_add(link, owner->device[1]);
-    hysgen_link_add(link, (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u));
+    hysgen_link_add(link, hysgen_image_keyed(owner));
     hysgen_link_add(link, MODEL_PERIOD_NS);
     hysgen_link_add(link, MODEL_PREVIEW);
     hysgen_link_add(link, IMAGE_BYTES);

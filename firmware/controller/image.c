@@ -32,6 +32,11 @@ static uint32_t image_plausible(float x)
     return (uint32_t)(size == 0u) | ((uint32_t)(size >= 0x00800000u) & (uint32_t)(size <= number_bits(IMAGE_LARGEST)));
 }
 
+uint32_t hysgen_image_keyed(const image_owner_t *owner)
+{
+    return (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u);
+}
+
 /* 1 if the image bears the MAC of its bytes. Compared as a whole, so that the time does not tell where a guess is wrong. */
 static uint32_t image_authentic(const uint8_t *bytes, const image_owner_t *owner)
 {
@@ -73,6 +78,8 @@ uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_ow
         answer = IMAGE_UNKNOWN;
     } else if (hysgen_image_word(bytes, IMAGE_CRC) != hysgen_crc32(bytes, 4u * IMAGE_CRC)) {
         answer = IMAGE_DAMAGED;
+    } else if (hysgen_image_keyed(owner) == 0u) {
+        answer = IMAGE_KEYLESS;
     } else if (image_authentic(bytes, owner) == 0u) {
         answer = IMAGE_FORGED;
     } else if (image_fits(bytes) == 0u) {

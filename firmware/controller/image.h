@@ -49,6 +49,7 @@
 #define IMAGE_FORGED       13u /* the MAC does not fit the bytes and the owner's key */
 #define IMAGE_STRANGE      14u /* for another device */
 #define IMAGE_OTHER_BUILD  15u /* for another build of the firmware */
+#define IMAGE_KEYLESS      17u /* the owner's key is all zeros, which is no secret: no image is taken */
 #define IMAGE_REPLAYED     16u /* its counter is not larger than the largest seen, or by more than IMAGE_STRIDE */
 
 /* Most that a counter rises at once: no image can use the counters up. */
@@ -56,7 +57,7 @@
 
 /* Whose images are taken. One const instance per device, in memory that the link cannot read. */
 typedef struct {
-    uint32_t key[4];     /* of the MAC; all zeros: no secret, and whoever reaches the line may send images */
+    uint32_t key[4];     /* of the MAC; all zeros: none, and no image is taken */
     uint32_t device[2];  /* stage and electronics, as in the image */
 } image_owner_t;
 
@@ -65,6 +66,9 @@ typedef struct {
     model_t model;
     model_learner_t learner;
 } image_bench_t;
+
+/* 1 if the owner has a key. */
+uint32_t hysgen_image_keyed(const image_owner_t *owner);
 
 /* Whole, authentic, right and of numbers? */
 uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);

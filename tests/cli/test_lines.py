@@ -26,7 +26,7 @@ from hysgen.display import table
 from hysgen.errors import BuildError, HysgenError, RecordError
 from hysgen.export.check import Compared
 from hysgen.firmware.binding import build_id, structure_digest
-from hysgen.firmware.image import NO_KEY, Label, encode
+from hysgen.firmware.image import Label, encode
 from hysgen.machine.files import version
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
@@ -279,7 +279,7 @@ CALLS: Mapping[str, dict[str, Any]] = {
     "image m -o f --flashed g --key k --device ab --counter 3": {
         "output": "f", "flashed": "g", "key": "k", "device": "ab", "counter": 3,
     },
-    "image m -o f": {"device": "0", "counter": 1, "key": None, "flashed": None},
+    "image m -o f --key k": {"device": "0", "counter": 1, "key": "k", "flashed": None},
     "refit m a.csv -o n --c d --same-range --anyway --no-diagnosis": {
         "c": "d", "same_range": True, "anyway": True, "no_diagnosis": True,
     },
@@ -403,9 +403,10 @@ def test_an_image_carries_the_label_key_and_build_that_are_asked_for(
     monkeypatch.chdir(tmp_path)
     plain = load_model("appendix_a")
     Path("key").write_text("00112233445566778899aabbccddeeff\n")
+    key = bytes.fromhex("00112233445566778899aabbccddeeff")
     fits = "".join(f"{word:08x}" for word in structure_digest(plain))
-    assert main(["image", "appendix_a", "-o", "a", "--json", "a.json"]) == 0
-    expected = encode(plain, Label(0, 0, 1), NO_KEY)
+    assert main(["image", "appendix_a", "-o", "a", "--key", "key", "--json", "a.json"]) == 0
+    expected = encode(plain, key, Label(0, 0, 1))
     assert Path("a").read_bytes() == expected
     assert f"written: a ({len(expected)} bytes; fits firmware with structure {fits})\n" == capsys.readouterr().out
     told = json.loads(Path("a.json").read_text())
@@ -413,11 +414,11 @@ def test_an_image_carries_the_label_key_and_build_that_are_asked_for(
     whole = "image appendix_a -o b --device ffffffffffffffff --counter 4294967295 --flashed appendix_a --key key"
     assert main(whole.split()) == 0
     label = Label(0xFFFF_FFFF_FFFF_FFFF, build_id(plain), 0xFFFF_FFFF)
-    assert Path("b").read_bytes() == encode(plain, label, bytes.fromhex("00112233445566778899aabbccddeeff"))
+    assert Path("b").read_bytes() == encode(plain, key, label)
     for wrong in ("--device 10000000000000000", "--device -1", "--device x", "--counter 0", "--counter 4294967296"):
-        assert main([*["image", "appendix_a", "-o", "c"], *wrong.split()]) == 2
+        assert main([*["image", "appendix_a", "-o", "c", "--key", "key"], *wrong.split()]) == 2
         assert "--device is a hexadecimal number of up to 16 digits" in capsys.readouterr().err
-    assert main(["image", "appendix_a", "-o", "c", "--flashed", "appendix_b"]) == 2
+    assert main(["image", "appendix_a", "-o", "c", "--key", "key", "--flashed", "appendix_b"]) == 2
     assert "are not those of appendix_b" in capsys.readouterr().err
     assert not Path("c").exists()
 

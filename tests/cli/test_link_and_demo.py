@@ -15,7 +15,6 @@ from hysgen.cli import main
 from hysgen.cli.console import Console
 from hysgen.cli.verbs import demo, link
 from hysgen.firmware.host import Request
-from hysgen.firmware.image import NO_KEY
 from hysgen.firmware.wire import LinkStatus
 from hysgen.model.file import load_model
 from hysgen.record.bundled import IDENTIFICATION_ROWS, bundled_csv
@@ -86,7 +85,6 @@ def firmware(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Firmware:
         ("reference 2.5", ("reference", 2.5)),
         ("reference", ("reference", None)),
         ("image image", ("install", b"HYSI")),
-        ("install appendix_a", ("install_model", "appendix_a", NO_KEY)),
         (
             "install appendix_a --key key",
             ("install_model", "appendix_a", bytes.fromhex("00112233445566778899aabbccddeeff")),
@@ -124,8 +122,10 @@ def test_link_says_the_identity_at_another_rate(firmware: Firmware, capsys: pyte
         ("identify 5", "identify: takes no value"),
         ("reference high", "high: is no number; the reference is a displacement in um"),
         ("record", "record: name the file, model or table to send"),
-        ("record table", "record: name the record: -o FILE"),
+        ("record table", "record: name the file: -o FILE"),
         ("start -o x.csv", "start: takes no -o"),
+        ("install appendix_a", "install: name the file: --key FILE"),
+        ("start --key key", "start: takes no --key"),
         ("image none", "none: cannot be read (No such file or directory)"),
     ],
 )

@@ -125,7 +125,8 @@ def main_alone() -> Library:
         assert text.count(comment) == 1
         text = text.replace(comment, f"stopped(); {comment}")
     headers = {name: text for name, text in [*read_sources(CONTROLLER), *generated().items()] if name.endswith(".h")}
-    flags = ("-D__TI_COMPILER_VERSION__=8003000", "-DCHIP_MODEL", "-Dinterrupt=", "-Dmain=board_main", "-O1")
+    macros = ("__TI_COMPILER_VERSION__=8003000", "CHIP_MODEL", "MAIN_FILLED_IN", "interrupt=", "main=board_main")
+    flags = tuple(f"-D{macro}" for macro in macros)
     around = ("around.c", f"int board_main(void);void stopped(void);\n{AROUND_MAIN}")
     sources = [*texts.items(), ("main.c", f"void stopped(void);\n{text}"), *headers.items(), around]
     return build(sources, SETTINGS[0] + DECLARED, Toolchain(default_toolchain().command, flags))  # type: ignore[index]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import model
+from fixtures.firmware_bench import KEY, model
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware import link
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, build_id, read_sources
@@ -198,11 +198,11 @@ def test_a_models_image_is_labelled_as_the_firmware_tells() -> None:
 def test_an_image_gives_back_every_number_with_more_weights_than_rules() -> None:
     slope, offset, gain = np.arange(1, 7, dtype=np.float32).reshape(3, 2)
     bank = Bank(slope=slope, offset=offset, gain=gain, weight=np.arange(7, 12, dtype=np.float32))
-    data = pack(ParameterImage((1, 2, 3, 4), bank, Label(1 << 33, 5, 6)), bytes(16))
+    data = pack(ParameterImage((1, 2, 3, 4), bank, Label(1 << 33, 5, 6)), KEY)
     assert struct.unpack_from("<9IQ2I", data) == (0x49535948, 2, len(data), 1, 2, 3, 4, 2, 5, 1 << 33, 5, 6)
     assert struct.unpack_from("<11f", data, 52) == tuple(range(1, 12))
     assert len(data) == 4 * (13 + 11 + 3)
-    back = decode(data, key=bytes(16))
+    back = decode(data, key=KEY)
     assert (back.digest, back.label) == ((1, 2, 3, 4), Label(1 << 33, 5, 6))
     for name in ("slope", "offset", "gain", "weight"):
         assert getattr(back.bank, name).tolist() == getattr(bank, name).tolist()
@@ -263,16 +263,17 @@ def test_commands_codes_and_answers_are_those_of_the_c() -> None:
     assert [CODES[wire[name]] for name in ("DONE", "UNKNOWN", "LENGTH", "VALUE")] == list(CODES)
     assert (wire["STATUS_WORDS"], wire["IDENTITY_WORDS"]) == (len(LinkStatus.__dataclass_fields__), 23)
     names = ("GOOD", "INCOMPLETE", "UNKNOWN", "DAMAGED", "FOREIGN", "NO_NUMBER", "NOT_STORED")
-    names += ("FORGED", "STRANGE", "OTHER_BUILD", "REPLAYED")
+    names += ("FORGED", "STRANGE", "OTHER_BUILD", "REPLAYED", "KEYLESS")
     image = defined("IMAGE_")
     # Of the model's commit, answers 2 to 5 refuse (image.h).
     assert set(ANSWERS) == {image[name] for name in names} | {image["UNCERTIFIED"] + answer for answer in range(2, 6)}
     words = {"INCOMPLETE": "bytes are missing", "DAMAGED": "CRC", "FORGED": "MAC", "STRANGE": "another device"}
     words |= {"OTHER_BUILD": "another build", "REPLAYED": "counter", "NOT_STORED": "no memory", "NO_NUMBER": "finite"}
+    words["KEYLESS"] = "all zeros"
     for name, phrase in words.items():
         assert phrase in ANSWERS[image[name]]
 
 
 def test_a_build_is_the_first_word_of_the_digest_of_its_model_file() -> None:
     assert build_id(model()) == int(hashlib.sha256(dump_model(model()).encode()).hexdigest()[:8], 16)
-    assert encode(model(), Label(build=build_id(model())))[44:48] == struct.pack("<I", build_id(model()))
+    assert encode(model(), KEY, Label(build=build_id(model())))[44:48] == struct.pack("<I", build_id(model()))

@@ -214,10 +214,7 @@ def test_the_page_states_the_operations(name: str, verdict: Callable[[str], Verd
             IMAGE_ENTRY, OPTIONS, ("store.c", "1u - first", "2u - first"), marks=pytest.mark.proof, id="image"
         ),
         pytest.param(
-            FRAME_ENTRY,
-            UNROLLED,
-            ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES"),
-            id="frame in",
+            FRAME_ENTRY, UNROLLED, ("frame.c", "self->count < FRAME_BYTES", "self->count <= FRAME_BYTES"), id="frame in"
         ),
         pytest.param(
             FRAME_ENTRY,

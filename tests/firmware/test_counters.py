@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import REFERENCE_UM, booted, model
+from fixtures.firmware_bench import KEY, REFERENCE_UM, booted, model
 from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, Request, Settings, State
 from hysgen.firmware.image import Label, encode
 
@@ -18,7 +18,7 @@ MAGIC = 0x4C414553
 
 def sealed(counter: int, sequence: int) -> bytes:
     """A slot with an image under `counter` and its seal under `sequence` (store.h)."""
-    image = encode(model(), Label(counter=counter))
+    image = encode(model(), KEY, Label(counter=counter))
     # Behind the image's CRC are two words of its MAC.
     seal = struct.pack("<3I", MAGIC, sequence, struct.unpack("<I", image[-12:-8])[0])
     seal += struct.pack("<I", zlib.crc32(seal))
@@ -26,8 +26,7 @@ def sealed(counter: int, sequence: int) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("older", "newer"),
-    [(1, 2), (0xFFFFFFFF, 0), (0xFFFFFFFE, 1), (0x7FFFFFFF, 0x80000000), (5, 0x80000004)],
+    ("older", "newer"), [(1, 2), (0xFFFFFFFF, 0), (0xFFFFFFFE, 1), (0x7FFFFFFF, 0x80000000), (5, 0x80000004)]
 )
 @pytest.mark.parametrize("newer_slot", [0, 1])
 def test_the_newer_of_two_sealed_images_drives_also_where_the_sequence_wraps(
@@ -39,7 +38,7 @@ def test_the_newer_of_two_sealed_images_drives_also_where_the_sequence_wraps(
     firmware.boot()
     assert (firmware.firmware.store.counter, firmware.firmware.store.sequence) == (8, newer)
     assert firmware.firmware.store.slot == newer_slot
-    assert firmware.send(encode(model(), Label(counter=9))) == 0
+    assert firmware.send(encode(model(), KEY, Label(counter=9))) == 0
     assert firmware.firmware.store.sequence == (newer + 1) & 0xFFFFFFFF
     assert firmware.firmware.store.slot == 1 - newer_slot
 

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import pytest
 
-from fixtures.firmware_bench import model
+from fixtures.firmware_bench import KEY, model
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources, with_learner
 from hysgen.firmware.image import Label, encode
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
@@ -66,8 +66,8 @@ def images(driven: Model) -> bytes:
     def scaled(factor: float) -> Model:
         return replace(driven, consequents=driven.consequents * [1.0, factor, 1.0])
 
-    good = [encode(scaled(factor), Label(counter=1 + i)) for i, factor in enumerate((1.01, 0.99, 1.02))]
-    return b"".join([*good, encode(scaled(-1.0), Label(counter=9))])
+    good = [encode(scaled(factor), KEY, Label(counter=1 + i)) for i, factor in enumerate((1.01, 0.99, 1.02))]
+    return b"".join([*good, encode(scaled(-1.0), KEY, Label(counter=9))])
 
 
 def library(changes: tuple[Change, ...] = (), driven: Model | None = None) -> Library:
@@ -148,12 +148,7 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             "hysgen_board_amplifier_enable(board, 1u)",
         ),
         ("correction", "trim.c", r"number_limited\(moved, -limit, limit\)", "moved"),
-        (
-            "stuck",
-            "controller.c",
-            r"if \(hysgen_controller_drives\(self\) == 0u\) \{",
-            "{",
-        ),
+        ("stuck", "controller.c", r"if \(hysgen_controller_drives\(self\) == 0u\) \{", "{"),
         (
             "status",
             "firmware.c",

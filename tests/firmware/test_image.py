@@ -11,18 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import ModelStage, booted, compiled, image, model, sine, tracking
+from fixtures.firmware_bench import KEY, ModelStage, booted, compiled, image, model, sine, tracking
+from hysgen.errors import ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
-from hysgen.firmware.host import (
-    SLOT_BYTES,
-    FirmwareStatus,
-    HostFirmware,
-    HostImage,
-    Request,
-    Settings,
-    State,
-)
-from hysgen.firmware.image import ANSWERS, Label, Owner, decode, encode
+from hysgen.firmware.host import SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
+from hysgen.firmware.image import ANSWERS, NO_KEY, Label, Owner, decode, encode, siphash
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model
@@ -41,7 +34,7 @@ def changed(consequents: np.ndarray) -> Model:
 
 def test_an_image_reads_back_and_its_numbers_become_the_bank_bit_for_bit() -> None:
     new = changed(STIFFER)
-    data = encode(new)
+    data = encode(new, KEY)
     bank = decode(data).bank
     firmware = booted()
     before = firmware.bank()
@@ -51,7 +44,7 @@ def test_an_image_reads_back_and_its_numbers_become_the_bank_bit_for_bit() -> No
 
 
 def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> None:
-    firmware, data = booted(), encode(changed(STIFFER))
+    firmware, data = booted(), encode(changed(STIFFER), KEY)
     good = firmware.bank()
     for length in range(len(data)):
         firmware.send(data[:length])
@@ -67,12 +60,12 @@ def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> N
 
 
 def test_bytes_of_a_broken_transfer_do_not_leak_into_the_next_one() -> None:
-    firmware, data = booted(), encode(changed(STIFFER))
+    firmware, data = booted(), encode(changed(STIFFER), KEY)
     firmware.send(data[:90])
     assert firmware.send(data) == 0
     firmware.send(data[:90])
     good = firmware.bank()
-    other = encode(changed(SOFTER), Label(counter=2))
+    other = encode(changed(SOFTER), KEY, Label(counter=2))
     assert firmware.send(other[90:], offset=90) == 3
     assert firmware.bank() == good
 
@@ -80,7 +73,7 @@ def test_bytes_of_a_broken_transfer_do_not_leak_into_the_next_one() -> None:
 @pytest.mark.slow
 def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters() -> None:
     firmware = booted()
-    first, second = encode(changed(STIFFER)), encode(changed(SOFTER), Label(counter=2))
+    first, second = encode(changed(STIFFER), KEY), encode(changed(SOFTER), KEY, Label(counter=2))
     assert firmware.send(first) == 0
     old = firmware.bank()
     kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
@@ -102,7 +95,7 @@ def test_power_cut_at_any_byte_of_the_store_leaves_the_old_or_the_new_parameters
 
 def test_any_flipped_bit_of_the_newest_stored_image_falls_back_to_the_one_before() -> None:
     firmware = booted()
-    first, second = encode(changed(STIFFER)), encode(changed(SOFTER), Label(counter=2))
+    first, second = encode(changed(STIFFER), KEY), encode(changed(SOFTER), KEY, Label(counter=2))
     firmware.send(first)
     old = firmware.bank()
     firmware.send(second)
@@ -122,7 +115,7 @@ def test_any_flipped_bit_of_the_newest_stored_image_falls_back_to_the_one_before
 def test_without_any_good_image_the_built_in_parameters_drive() -> None:
     firmware = booted()
     built_in = firmware.bank()
-    firmware.send(encode(changed(STIFFER)))
+    firmware.send(encode(changed(STIFFER), KEY))
     rng = np.random.default_rng(6)
     firmware.slot(0)[:] = rng.bytes(SLOT_BYTES)
     firmware.slot(1)[:] = rng.bytes(SLOT_BYTES)
@@ -137,7 +130,7 @@ def test_without_any_good_image_the_built_in_parameters_drive() -> None:
 def test_whole_and_right_but_not_certified_is_refused(consequents: tuple[float, ...], answer: int) -> None:
     firmware = booted()
     good = firmware.bank()
-    assert firmware.send(encode(changed(np.array(consequents)))) == answer, ANSWERS[answer]
+    assert firmware.send(encode(changed(np.array(consequents)), KEY)) == answer, ANSWERS[answer]
     assert firmware.bank() == good
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
 
@@ -147,12 +140,12 @@ def test_numbers_of_another_partition_or_range_are_refused() -> None:
     wider = replace(own, grid=replace(own.grid, y_max_um=own.grid.y_max_um + 0.001))
     higher = replace(own, u_max_V=own.u_max_V - 1.0)
     for foreign in (wider, higher, replace(own, name="other")):
-        assert booted().send(encode(foreign)) == 4
+        assert booted().send(encode(foreign, KEY)) == 4
 
 
 def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> None:
     firmware = tracking()
-    good, data = firmware.bank(), encode(changed(STIFFER))
+    good, data = firmware.bank(), encode(changed(STIFFER), KEY)
     firmware.send(data)
     firmware.run(sine(2000))
     assert firmware.state is State.TRACK
@@ -174,9 +167,9 @@ def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -
     assert structure_digest(new) == structure_digest(old)
     assert structure_digest(refit(old, weaker)[0]) != structure_digest(old)
     refitted = HostImage.compile(old.name, firmware_model(old))
-    firmware = HostFirmware(refitted, StageState(laboratory(), TS_S, 1))
+    firmware = HostFirmware(refitted, StageState(laboratory(), TS_S, 1), owner=Owner(KEY))
     before = firmware.bank()
-    assert firmware.send(encode(new)) == 0
+    assert firmware.send(encode(new, KEY)) == 0
     assert firmware.bank() != before
 
 
@@ -189,7 +182,7 @@ def stop(firmware: HostFirmware) -> None:
 
 def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() -> None:
     firmware = booted()
-    old, data = firmware.bank(), encode(changed(STIFFER))
+    old, data = firmware.bank(), encode(changed(STIFFER), KEY)
     firmware.preempt_store(Request.START)
     assert firmware.send(data) == 0
     new = firmware.bank()
@@ -203,7 +196,7 @@ def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() 
 
 def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
     firmware = booted()
-    old, data = firmware.bank(), encode(changed(STIFFER))
+    old, data = firmware.bank(), encode(changed(STIFFER), KEY)
     firmware.firmware.controller.status |= int(FirmwareStatus.FAULT_SENSOR)
     firmware.preempt_store(Request.STOP)
     assert firmware.send(data) == 0
@@ -211,7 +204,7 @@ def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
 
 
 def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
-    firmware, data = tracking(), encode(changed(STIFFER))
+    firmware, data = tracking(), encode(changed(STIFFER), KEY)
     good = firmware.bank()
     firmware.send(data)
     firmware.line(b"\n\0\xff\0")
@@ -225,7 +218,7 @@ def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
 
 
 def test_a_refused_image_is_told_until_clear_and_no_longer() -> None:
-    firmware, data = booted(), encode(changed(STIFFER))
+    firmware, data = booted(), encode(changed(STIFFER), KEY)
     firmware.send(b"x" * len(data))
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
     firmware.request(Request.CLEAR)
@@ -235,7 +228,7 @@ def test_a_refused_image_is_told_until_clear_and_no_longer() -> None:
 
 
 def test_an_image_that_is_in_use_is_not_written_again() -> None:
-    firmware, data = booted(), encode(changed(STIFFER))
+    firmware, data = booted(), encode(changed(STIFFER), KEY)
     assert firmware.send(data) == 0
     kept = [bytes(firmware.slot(slot)) for slot in (0, 1)]
     bank = firmware.bank()
@@ -250,31 +243,30 @@ def test_an_image_that_is_in_use_is_not_written_again() -> None:
     assert firmware.bank() == bank
 
 
-KEY = bytes(range(1, 17))
 OWNER = Owner(KEY, 0x1122334455667788)
 
 
 def owned() -> HostFirmware:
     """The image of an owner with a key and a device number, which has taken an image with counter 5."""
     firmware = HostFirmware(image(), ModelStage(model()), owner=OWNER)
-    assert firmware.send(encode(changed(STIFFER), Label(OWNER.device, build_id(model()), 5), KEY)) == 0
+    assert firmware.send(encode(changed(STIFFER), KEY, Label(OWNER.device, build_id(model()), 5))) == 0
     return firmware
 
 
 SOFT = changed(SOFTER)
 ATTACKS = {
-    "flipped, CRC made right": (lambda: forged(encode(SOFT, Label(OWNER.device, 0, 6), KEY)), 13),
-    "without the key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6)), 13),
-    "another key": (lambda: encode(SOFT, Label(OWNER.device, 0, 6), KEY[::-1]), 13),
-    "of another device": (lambda: encode(SOFT, Label(OWNER.device ^ 1, 0, 6), KEY), 14),
-    "of a device with another high word": (lambda: encode(SOFT, Label(OWNER.device ^ 1 << 40, 0, 6), KEY), 14),
-    "of a device without a number": (lambda: encode(SOFT, Label(0, 0, 6), KEY), 14),
-    "for another build": (lambda: encode(SOFT, Label(OWNER.device, build_id(SOFT), 6), KEY), 15),
-    "same counter": (lambda: encode(SOFT, Label(OWNER.device, 0, 5), KEY), 16),
-    "an older one, replayed": (lambda: encode(SOFT, Label(OWNER.device, 0, 4), KEY), 16),
-    "cut": (lambda: encode(SOFT, Label(OWNER.device, 0, 6), KEY)[:-9], 0),
-    "of another structure": (lambda: encode(replace(SOFT, u_max_V=50.0), Label(OWNER.device, 0, 6), KEY), 4),
-    "of wild numbers": (lambda: encode(changed(np.array([1.0, -1.0, 1.0])), Label(OWNER.device, 0, 6), KEY), 10),
+    "flipped, CRC made right": (lambda: forged(encode(SOFT, KEY, Label(OWNER.device, 0, 6))), 13),
+    "without the key": (lambda: keyless(encode(SOFT, KEY, Label(OWNER.device, 0, 6))), 13),
+    "another key": (lambda: encode(SOFT, KEY[::-1], Label(OWNER.device, 0, 6)), 13),
+    "of another device": (lambda: encode(SOFT, KEY, Label(OWNER.device ^ 1, 0, 6)), 14),
+    "of a device with another high word": (lambda: encode(SOFT, KEY, Label(OWNER.device ^ 1 << 40, 0, 6)), 14),
+    "of a device without a number": (lambda: encode(SOFT, KEY, Label(0, 0, 6)), 14),
+    "for another build": (lambda: encode(SOFT, KEY, Label(OWNER.device, build_id(SOFT), 6)), 15),
+    "same counter": (lambda: encode(SOFT, KEY, Label(OWNER.device, 0, 5)), 16),
+    "an older one, replayed": (lambda: encode(SOFT, KEY, Label(OWNER.device, 0, 4)), 16),
+    "cut": (lambda: encode(SOFT, KEY, Label(OWNER.device, 0, 6))[:-9], 0),
+    "of another structure": (lambda: encode(replace(SOFT, u_max_V=50.0), KEY, Label(OWNER.device, 0, 6)), 4),
+    "of wild numbers": (lambda: encode(changed(np.array([1.0, -1.0, 1.0])), KEY, Label(OWNER.device, 0, 6)), 10),
 }
 
 
@@ -283,6 +275,18 @@ def forged(data: bytes) -> bytes:
     body = bytearray(data[:-12])
     body[-6] ^= 1
     return bytes(body) + struct.pack("<I", zlib.crc32(bytes(body))) + data[-8:]
+
+
+def keyless(data: bytes) -> bytes:
+    """The image with the MAC under a key of zeros."""
+    return data[:-8] + struct.pack("<Q", siphash(NO_KEY, data[:-8]))
+
+
+def test_a_key_of_zeros_takes_no_image_and_no_image_is_made_with_it() -> None:
+    firmware = HostFirmware(image(), ModelStage(model()), owner=Owner(NO_KEY))
+    assert firmware.send(keyless(encode(SOFT, KEY))) == 17, ANSWERS[17]
+    with pytest.raises(ModelError, match="a key of zeros is no secret"):
+        encode(SOFT, NO_KEY)
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -296,15 +300,9 @@ def test_an_attackers_image_is_refused_and_changes_nothing(attack: str) -> None:
     assert [bytes(firmware.slot(slot)) for slot in (0, 1)] == kept
     firmware.boot()
     assert firmware.bank() == bank
-    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 6), KEY)) == 0
+    assert firmware.send(encode(SOFT, KEY, Label(OWNER.device, 0, 5))) == 16, "the counter survives power off"
+    assert firmware.send(encode(SOFT, KEY, Label(OWNER.device, 0, 6))) == 0
     assert firmware.bank() != bank
-
-
-def test_the_counter_survives_power_off() -> None:
-    firmware = owned()
-    firmware.boot()
-    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 5), KEY)) == 16
-    assert firmware.send(encode(SOFT, Label(OWNER.device, 0, 6), KEY)) == 0
 
 
 def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
@@ -324,7 +322,7 @@ def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
 def test_the_counter_survives_a_new_build_and_cannot_be_used_up() -> None:
     """An image for the build before is refused at boot, but its counter holds."""
     firmware = owned()
-    assert firmware.send(encode(SOFT, Label(OWNER.device, build_id(model()), 50), KEY)) == 0
+    assert firmware.send(encode(SOFT, KEY, Label(OWNER.device, build_id(model()), 50))) == 0
     newer = replace(model(), consequents=model().consequents * [1.0, 0.99, 1.0])
     rebuilt = HostFirmware(compiled(newer), ModelStage(model()), owner=OWNER)
     for slot in (0, 1):
@@ -332,4 +330,4 @@ def test_the_counter_survives_a_new_build_and_cannot_be_used_up() -> None:
     rebuilt.boot()
     assert (rebuilt.firmware.store.counter, rebuilt.firmware.store.slot) == (50, 0xFFFFFFFF)
     for counter, answer in ((2, 16), (50, 16), (51 + 65_536, 16), (0xFFFFFFFF, 16), (50 + 65_536, 0)):
-        assert rebuilt.send(encode(SOFT, Label(OWNER.device, 0, counter), KEY)) == answer, counter
+        assert rebuilt.send(encode(SOFT, KEY, Label(OWNER.device, 0, counter))) == answer, counter

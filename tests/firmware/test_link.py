@@ -86,7 +86,7 @@ def test_the_verb_drives_firmware_over_a_terminal(tmp_path: Path, capsys: pytest
     (tmp_path / "key").write_text(OWNER.key.hex())
     softer = replace(model(), consequents=model().consequents * [1.0, 0.98, 1.0])
     file = tmp_path / "image"
-    file.write_bytes(encode(softer, Label(OWNER.device, 0, 1), OWNER.key))
+    file.write_bytes(encode(softer, OWNER.key, Label(OWNER.device, 0, 1)))
     with on_a_terminal(firmware) as port:
         told = answered(capsys, port, "identify")
         assert told["name"] == model().name
@@ -108,7 +108,7 @@ def test_the_verb_drives_firmware_over_a_terminal(tmp_path: Path, capsys: pytest
 
 def test_a_line_that_loses_and_changes_bytes_neither_starts_nor_installs_anything_else() -> None:
     firmware = owned()
-    data = encode(model(), Label(OWNER.device, build_id(model()), 7), OWNER.key)
+    data = encode(model(), OWNER.key, Label(OWNER.device, build_id(model()), 7))
     client = Client(Direct(firmware, loss=0.01), timeout_s=0.002)
     for _ in range(20):
         with contextlib.suppress(HysgenError):
@@ -162,13 +162,13 @@ def test_the_identity_is_that_of_the_build() -> None:
     assert found.digest == structure_digest(model())
     assert found.build == build_id(model())
     assert (found.period_ns, found.preview, found.rules) == (20_000, 0, 6)
-    assert found.image_bytes == len(encode(model()))
+    assert found.image_bytes == len(encode(model(), OWNER.key))
 
 
 def test_the_last_piece_once_more_is_done_and_installs_nothing_again() -> None:
     """Its answer was lost: the repeat was refused, and the client said that the image was."""
     firmware = owned()
-    frames = list(image_frames(encode(model(), Label(OWNER.device, 0, 1), OWNER.key)))
+    frames = list(image_frames(encode(model(), OWNER.key, Label(OWNER.device, 0, 1))))
     codes = [payload(firmware.line(each)[:-1]) for each in [*frames, frames[-1]]]
     assert {code[2] for code in codes if code is not None} == {0}
     assert (firmware.firmware.store.counter, firmware.firmware.image_pending) == (1, 0)
@@ -203,9 +203,9 @@ def test_a_reference_with_a_lease_ends_in_a_stop_once_nobody_speaks() -> None:
 def test_a_refused_image_is_an_error_with_its_reason() -> None:
     client = Client(Direct(owned()))
     with pytest.raises(ModelError, match="MAC"):
-        client.install(encode(model(), Label(OWNER.device)))
+        client.install(encode(model(), OWNER.key[::-1], Label(OWNER.device)))
     with pytest.raises(ModelError, match="another device"):
-        client.install(encode(model(), Label(0), OWNER.key))
+        client.install(encode(model(), OWNER.key, Label(0)))
     assert client.install_model(model(), OWNER.key).counter == 1
     assert client.install_model(model(), OWNER.key).counter == 2
 
@@ -271,7 +271,7 @@ def test_the_simulated_c674x_answers_like_the_host() -> None:
 
 def test_a_board_without_flash_refuses_every_image() -> None:
     simulated = Simulated()
-    for each in image_frames(encode(model(), Label(counter=1))):
+    for each in image_frames(encode(model(), bytes([1, *bytes(15)]))):
         simulated.line(each)
     status = simulated.status()
     assert ANSWERS[status.image_answer] == ANSWERS[7]

@@ -220,7 +220,7 @@ def checked(data: bytes, count: int | None = None) -> int:
 
 
 def test_each_word_of_an_images_head_has_the_answer_of_its_own() -> None:
-    data = encode(model(), Label(OWNER.device, build_id(model()), 7), OWNER.key)
+    data = encode(model(), OWNER.key, Label(OWNER.device, build_id(model()), 7))
     assert checked(data) == 0
     assert checked(resealed({11: 0, 12: 99}, data)) == 0, "any build, any counter"
     answers = {0: 2, 1: 2, 2: 4, 3: 4, 4: 4, 5: 4, 6: 4, 7: 4, 8: 4, 9: 14, 10: 14, 11: 15}
@@ -237,7 +237,7 @@ def test_each_word_of_an_images_head_has_the_answer_of_its_own() -> None:
 
 
 def test_numbers_of_an_image_are_zero_or_normal_and_of_a_size_up_to_a_million() -> None:
-    decoded = decode(encode(model(), Label(OWNER.device), OWNER.key))
+    decoded = decode(encode(model(), OWNER.key, Label(OWNER.device)))
     million, normal = np.float32(1e6), np.float32(2.0**-126)
     above, below = np.nextafter(million, np.float32(np.inf)), np.nextafter(normal, np.float32(0))
     rows = (decoded.bank.slope, decoded.bank.offset, decoded.bank.gain)
@@ -253,11 +253,12 @@ def test_numbers_of_an_image_are_zero_or_normal_and_of_a_size_up_to_a_million() 
 def test_weights_of_an_image_become_those_of_the_bank_and_those_without_a_phase_are_zero() -> None:
     """At START the phase of a disturbance is unknown: neither build nor image of its model has a weight for it."""
     disturbed = replace(model(), terms=(Periodic((50.0,)),), weights=np.array([0.01, -0.02]))
-    firmware = HostFirmware(HostImage.compile(model().name, firmware_model(disturbed)), ModelStage(model()))
-    weights, given = firmware.firmware.controller.bank.weight, decode(encode(disturbed))
+    built = HostImage.compile(model().name, firmware_model(disturbed))
+    firmware = HostFirmware(built, ModelStage(model()), owner=OWNER)
+    weights, given = firmware.firmware.controller.bank.weight, decode(encode(disturbed, OWNER.key, Label(OWNER.device)))
     assert [*weights, *given.bank.weight] == [0.0] * 4
     given.bank.weight[:] = [0.03, 0.04]
-    assert firmware.send(pack(given)) == 0
+    assert firmware.send(pack(given, OWNER.key)) == 0
     assert [*weights] == np.float32([0.03, 0.04]).tolist()
     answer = payload(firmware.line(frame(bytes([5, 1])))[:-1])
     assert answer is not None

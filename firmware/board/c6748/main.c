@@ -12,6 +12,10 @@
 static firmware_t main_firmware;
 static board_t main_board;
 
+#if !defined(MAIN_FILLED_IN)
+#error "fill in main_settings and main_owner with your stage's numbers and your key, and define MAIN_FILLED_IN"
+#endif
+
 /* The stage of docs/firmware.md: fill in yours. */
 static const settings_t main_settings = {
     .options = 0u,
@@ -36,7 +40,7 @@ static const settings_t main_settings = {
     .commit_pause = 25000u,
 };
 
-/* Fill in: your key (`hysgen image --key`), and the number of this stage and its electronics. All zeros: no secret. */
+/* Fill in: your key (`hysgen image --key`), and the number of this stage and its electronics. A key of zeros takes no image. */
 static const image_owner_t main_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
 
 #if defined(__TI_COMPILER_VERSION__)

@@ -32,7 +32,7 @@ static settings_t simulated_settings = {
     .commit_pause = 1u,
 };
 
-static const image_owner_t simulated_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
+static const image_owner_t simulated_owner = { { 1u, 0u, 0u, 0u }, { 0u, 0u } };
 
 float hysgen_board_displacement_um(board_t *board)
 {

@@ -21,7 +21,7 @@ from hysgen.codegen.operations.cycles import C674X, Weights
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
 from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.firmware.image import NO_KEY, Label, encode
+from hysgen.firmware.image import Label, encode
 from hysgen.firmware.link import BAUD, Client, open_line
 from hysgen.fitting.refit import restricted_as
 from hysgen.model.file import model_of
@@ -172,12 +172,12 @@ def firmware_files(model: Model) -> Generated:
     return Generated(chosen, firmware_model(chosen))
 
 
-def image(model: Model, label: Label | None = None, key: bytes = NO_KEY) -> bytes:
+def image(model: Model, key: bytes, label: Label | None = None) -> bytes:
     """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified.
 
-    label: device, build and counter of the image; key: the firmware's 16 bytes (`hysgen.firmware.image`).
+    key: the firmware's 16 bytes, not all zeros; label: device, build and counter (`hysgen.firmware.image`).
     """
-    return encode(model_of(model), label or Label(), key)
+    return encode(model_of(model), key, label or Label())
 
 
 def connect(port: str, baud: int = BAUD) -> Client:

@@ -58,11 +58,12 @@ def _rotated(x: int, count: int) -> int:
 
 MAGIC: Final = 0x49535948
 VERSION: Final = 2
+_MAKE_KEY: Final = "make a key with: openssl rand -hex 16"
 HEADER: Final = "<9IQ2I"
 HEADER_WORDS: Final = 13
 TAIL_WORDS: Final = 3
 NO_KEY: Final = bytes(16)
-"""The key of a firmware without a secret."""
+"""The key of a firmware without a secret, which takes no image."""
 
 ANSWERS: Final = {
     0: "accepted",
@@ -81,6 +82,7 @@ ANSWERS: Final = {
     14: "refused: for another device",
     15: "refused: for another build of the firmware",
     16: "refused: its counter is not larger than the largest so far, or by more than 65536",
+    17: "refused: the firmware's key is all zeros, which is no secret; fill in main_owner",
 }
 """Meaning of the firmware's `image_answer`."""
 
@@ -121,10 +123,10 @@ class ParameterImage:
     label: Label = Label()
 
 
-def encode(model: Model, label: Label = Label(), key: bytes = NO_KEY) -> bytes:
+def encode(model: Model, key: bytes, label: Label = Label()) -> bytes:
     """The image of a model, authenticated with `key`.
 
-    Raises ModelError for more rules than the learner, and so the firmware, supports.
+    Raises ModelError for a key of zeros, and for more rules than the learner, and so the firmware, supports.
     """
     numbers = coefficients(unphased(model))
     if numbers.windowed:
@@ -132,8 +134,10 @@ def encode(model: Model, label: Label = Label(), key: bytes = NO_KEY) -> bytes:
     return pack(ParameterImage(structure_digest(model), numbers.bank, label), key)
 
 
-def pack(image: ParameterImage, key: bytes = NO_KEY) -> bytes:
-    """The bytes of an image."""
+def pack(image: ParameterImage, key: bytes) -> bytes:
+    """The bytes of an image. Raises ModelError for a key of zeros, which is no secret."""
+    if key == NO_KEY:
+        raise ModelError(f"a key of zeros is no secret, and no firmware takes it; {_MAKE_KEY}")
     bank, label = image.bank, image.label
     values = np.concatenate([bank.slope, bank.offset, bank.gain, bank.weight]).astype("<f4").tobytes()
     size = 4 * (HEADER_WORDS + TAIL_WORDS) + len(values)
@@ -178,5 +182,5 @@ def read_key(file: Path) -> bytes:
     except ValueError:
         key = b""
     if len(key) != len(NO_KEY):
-        raise ModelError(f"{file}: holds no 32 hexadecimal digits; make a key with: openssl rand -hex 16")
+        raise ModelError(f"{file}: holds no 32 hexadecimal digits; {_MAKE_KEY}")
     return key

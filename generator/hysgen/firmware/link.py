@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.host import FirmwareStatus, Request, State
-from hysgen.firmware.image import ANSWERS, NO_KEY, Label, encode
+from hysgen.firmware.image import ANSWERS, Label, encode
 from hysgen.firmware.wire import ANSWER, CODES, PROTOCOL, Command, Identity, LinkStatus, command, payload, pieces
 from hysgen.model.model import Model
 
@@ -146,13 +146,11 @@ class Client:
             raise ModelError(f"the image is {ANSWERS.get(status.image_answer, f'answered by {status.image_answer}')}")
         return status
 
-    def install_model(
-        self, model: Model, key: bytes = NO_KEY, progress: Callable[[float], None] = lambda _: None
-    ) -> LinkStatus:
+    def install_model(self, model: Model, key: bytes, progress: Callable[[float], None] = lambda _: None) -> LinkStatus:
         """`install` of a model's numbers, labelled for the device, build and counter that the firmware tells."""
         identity, status = self.identity(), self.status()
         label = Label(identity.device, identity.build, status.counter + 1)
-        return self.install(encode(model, label, key), progress)
+        return self.install(encode(model, key, label), progress)
 
     def record(
         self, times_s: Floats, voltages_V: Floats, progress: Callable[[float], None] = lambda _: None

@@ -289,6 +289,9 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     (void)fuzz_word(&self);
     fuzz_settings(&self);
     memset(self.board.store, 0xFF, sizeof self.board.store);
+    for (uint32_t i = 0u; i < 16u; ++i) {
+        self.owner.key[i / 4u] |= (i + 1u) << (8u * (i % 4u));  /* of fixtures/firmware_bench.py */
+    }
     self.board.step = stage_step;
     self.board.plant = &self;
     self.board.reference_um = self.reference_um;

@@ -1,6 +1,6 @@
 """The image of main.c on the simulated C6748 from reset: boot, start by the link, tracking, NMI, watchdog.
 
-Nothing of it is replaced: `make` links the same sources. The stage behind the converters is the model with noise.
+Only the key is replaced: `make` links the same sources. The stage behind the converters is the model with noise.
 Every word that the D/A gets is compared with the host's firmware on the same readings.
 """
 
@@ -15,7 +15,7 @@ from fixtures.board_model import BoardModel, SimulatedLine, library
 from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model
-from hysgen.firmware.binding import build_id, firmware_model
+from hysgen.firmware.binding import TARGET_BOARD, build_id, firmware_model, read_sources
 from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, State
 from hysgen.firmware.image import Label, encode
 from hysgen.firmware.link import Client
@@ -42,9 +42,10 @@ frames from here on
 
 @functools.cache
 def firmware() -> Firmware:
-    """The linked image."""
+    """The linked image, with a key."""
     need_compiler()
-    return link_image(model().name, firmware_model(model())).firmware
+    main = dict(read_sources(TARGET_BOARD))["main.c"].replace("{ { 0u, 0u, 0u, 0u }", "{ { 1u, 0u, 0u, 0u }")
+    return link_image(model().name, firmware_model(model()) | {"main.c": main}).firmware
 
 
 class Run:
@@ -105,7 +106,7 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
     assert (State(status.state), status.status, status.selftest, status.counter) == (State.OFF, 0, 0, 0)
 
     # A parameter image over the line into the flash, while interrupts run.
-    status = client.install(encode(model(), Label(0, build_id(model()), 7)))
+    status = client.install(encode(model(), bytes([1, *bytes(15)]), Label(0, build_id(model()), 7)))
     assert status.counter == 7
     assert run.board.state.flash_erased >= 1
     assert not run.board.violations

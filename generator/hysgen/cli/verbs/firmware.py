@@ -13,7 +13,7 @@ from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_kernels
 from hysgen.errors import BuildError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
-from hysgen.firmware.image import NO_KEY, Label, encode, read_key
+from hysgen.firmware.image import Label, encode, read_key
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.targets import named, targets
@@ -72,7 +72,7 @@ def image_arguments(parser: argparse.ArgumentParser) -> None:
         "--flashed", metavar="MODEL", help="model that the firmware was built with: the image fits this build only"
     )
     parser.add_argument(
-        "--key", metavar="FILE", help="file with the firmware's key, 32 hexadecimal digits; default: none"
+        "--key", required=True, metavar="FILE", help="file with the firmware's key, 32 hexadecimal digits"
     )
     parser.add_argument("--device", default="0", metavar="HEX", help="number of the device (default %(default)s)")
     parser.add_argument(
@@ -90,7 +90,7 @@ def run_image(arguments: argparse.Namespace, console: Console) -> int:
                 f"{arguments.model}: its ranges, partition or shapes are not those of {arguments.flashed}, so the "
                 "firmware would refuse the image; refit the flashed model over its range, or build the firmware again"
             )
-    data = encode(model, _label(arguments), _key(arguments))
+    data = encode(model, read_key(Path(arguments.key)), _label(arguments))
     write_whole(Path(arguments.output), data)
     fits = "".join(f"{word:08x}" for word in words)
     console.say(f"written: {arguments.output} ({len(data)} bytes; fits firmware with structure {fits})")
@@ -107,10 +107,6 @@ def _label(arguments: argparse.Namespace) -> Label:
         raise ModelError("--device is a hexadecimal number of up to 16 digits, --counter one of 1 to 4294967295")
     build = build_id(load_model(arguments.flashed)) if arguments.flashed else 0
     return Label(device, build, arguments.counter)
-
-
-def _key(arguments: argparse.Namespace) -> bytes:
-    return read_key(Path(arguments.key)) if arguments.key else NO_KEY
 
 
 VERBS = {

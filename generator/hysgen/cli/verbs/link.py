@@ -11,7 +11,7 @@ from hysgen.cli.verbs import Verb
 from hysgen.display import table
 from hysgen.errors import ModelError
 from hysgen.firmware.host import FirmwareStatus, Request, State
-from hysgen.firmware.image import NO_KEY, read_key
+from hysgen.firmware.image import read_key
 from hysgen.firmware.link import BAUD, Client, open_line, read_table, record_text
 from hysgen.firmware.wire import LinkStatus
 from hysgen.machine.files import write_whole
@@ -49,8 +49,9 @@ def run_link(arguments: argparse.Namespace, console: Console) -> int:
         raise ModelError(
             f"{arguments.action}: " + ("name the file, model or table to send" if needs else "takes no value")
         )
-    if (arguments.output is None) == (arguments.action == "record"):
-        raise ModelError(f"{arguments.action}: " + ("takes no -o" if arguments.output else "name the record: -o FILE"))
+    for given, flag, action in ((arguments.output, "-o", "record"), (arguments.key, "--key", "install")):
+        if (given is None) == (arguments.action == action):
+            raise ModelError(f"{arguments.action}: " + (f"takes no {flag}" if given else f"name the file: {flag} FILE"))
     with Client(open_line(arguments.port, arguments.baud)) as client:
         if arguments.action == "identify":
             identity = client.identity()
@@ -74,8 +75,9 @@ def _act(client: Client, arguments: argparse.Namespace, console: Console) -> Non
     elif action == "image":
         client.install(_image(Path(value)), lambda share: console.progress(share, "image"))
     elif action == "install":
-        key = read_key(Path(arguments.key)) if arguments.key else NO_KEY
-        client.install_model(load_model(value), key, lambda share: console.progress(share, "image"))
+        client.install_model(
+            load_model(value), read_key(Path(arguments.key)), lambda share: console.progress(share, "image")
+        )
     elif action == "record":
         recorded = client.record(*read_table(Path(value)), lambda share: console.progress(share, "record"))
         write_whole(Path(arguments.output), record_text(*recorded))
