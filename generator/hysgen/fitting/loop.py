@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve
 
-from hysgen.fitting.structure import EDGE_DECAY, LAG, SLOWEST, ModalForm, states
+from hysgen.fitting.structure import EDGE_DECAY, LAG, ModalForm, admitted_poles, states
 from hysgen.machine.kernels.operators import loop_states
 from hysgen.model.path.loop import MOST_PARTS, MOST_STATES, Loop
 
@@ -81,8 +81,8 @@ class _Task:
     def admitted(self, theta: Floats) -> Floats:
         """The nearest numbers whose modes decay, whose q is not negative, and p neither of several states."""
         theta = theta.copy()
-        sigma, omega = theta[: 2 * self.modes : 2], theta[1 : 2 * self.modes : 2]
-        sigma[:], omega[:] = np.clip(sigma, -1.0, math.log(SLOWEST)), np.clip(omega, 1e-3, 0.98 * math.pi)
+        rates = theta[: 2 * self.modes].view(np.complex128)
+        rates[:] = np.log(admitted_poles(np.exp(rates)))
         own = theta[4 * self.modes + 2 :].reshape(-1, 4)
         own[:, 3] = np.maximum(own[:, 3], 0.0)
         if len(own) > 1:

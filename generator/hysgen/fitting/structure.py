@@ -279,10 +279,10 @@ def _arx_poles(pieces: Sequence[Piece]) -> Complex:
     ridge = 1e-12 * np.trace(normal.square) / size * np.eye(size)
     a = solve(normal.square + ridge, normal.product, assume_a="pos")[:ARX_ORDER]
     poles = np.roots([1.0, *-a]).astype(np.complex128)
-    return _admitted(np.sort_complex(poles[poles.imag >= 0.0]))
+    return admitted_poles(np.sort_complex(poles[poles.imag >= 0.0]))
 
 
-def _admitted(poles: Complex) -> Complex:
+def admitted_poles(poles: Complex) -> Complex:
     """The nearest poles that decay, with a damping ratio up to MOST_DAMPING and a frequency below half the rate."""
     rate = np.log(np.where(poles == 0.0, 1e-9, poles))
     # Near half the rate a mode stands for the direct response; two light ones that cancel would ring from every start.
@@ -330,7 +330,7 @@ def _refined(pieces: Sequence[Piece], poles: Complex, gains: Complex, Ts_s: floa
         scaled = normal.square / np.outer(scale, scale)
         for _ in range(8):
             step = _complex(solve(scaled + mu * np.eye(scale.size), normal.product / scale, assume_a="pos") / scale)
-            trial = _admitted(poles + step[: poles.size]), gains + step[poles.size :].reshape(gains.shape)
+            trial = admitted_poles(poles + step[: poles.size]), gains + step[poles.size :].reshape(gains.shape)
             power = sum(float(e @ e) for e in (piece.fitted(piece.y - _seen(piece, *trial)) for piece in pieces))
             if power < normal.power:
                 break

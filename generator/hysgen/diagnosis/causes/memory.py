@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,10 @@ WITNESS = 0.25
 """Half-width, in half ranges of the input, of the play that measures the opening of the loop."""
 
 
+FOLLOWS: Final = 0.5
+"""Least share of the power of the displacement that follows the command, as that of a drive that is measured does."""
+
+
 class MemoryCause(Cause):
     name = "memory"
     kind = "hysteresis"
@@ -54,6 +59,15 @@ class MemoryCause(Cause):
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """A command that never turns remembers no extreme: what a stage does on its one way is a curve, or creep."""
         return not fit.chain.memory or turns(scene)
+
+    def evidence(self, scene: Scene, fit: Fit) -> float:
+        """Takes the odds of a drive back where the displacement does not follow the command: that of nothing driven."""
+        if not fit.chain.memory:
+            return 0.0
+        y_um, beside = scene.y_um[scene.rows], scene.added_columns(fit.chain)[:, scene.rows].T
+        without_um = y_um - beside @ np.linalg.lstsq(beside, y_um - y_um.mean(), rcond=None)[0]
+        follows = without_um.var() - fit.rms_um**2 >= FOLLOWS * y_um.var()
+        return 0.0 if follows else 2.0 * math.log(Cause.prior_odds / self.prior_odds)
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         nested = seen.sizes >= 3
