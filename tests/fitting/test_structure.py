@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from hysgen.errors import FitError
-from hysgen.fitting.structure import _admitted, _seen, _slopes, identify_structure, pieces_of
+from hysgen.fitting.loop import _Task
+from hysgen.fitting.structure import _seen, _slopes, admitted_poles, identify_structure, pieces_of
+from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING
 
 Floats = NDArray[np.float64]
 
@@ -99,6 +103,15 @@ def test_the_jacobian_is_the_derivative_of_the_free_run(periods: int) -> None:
 def test_poles_near_half_the_rate_have_decayed_soon_and_others_stay() -> None:
     """Two light modes there that cancel in the excited band rang for thousands of rows from every start."""
     edge, light = 0.9995 * np.exp(0.999j * np.pi), 0.998 * np.exp(0.5j)
-    moved, kept = _admitted(np.array([edge, light]))
+    moved, kept = admitted_poles(np.array([edge, light]))
     assert abs(moved) ** 300 < 1e-3
     assert kept == pytest.approx(light, rel=1e-12)
+
+
+@given(st.floats(-9.0, 2.0), st.floats(-1.0, 4.0))
+def test_a_mode_beside_a_loop_is_one_that_a_block_takes(sigma: float, omega: float) -> None:
+    """A broad state of 0 Hz, which the fit of a mode that moves leaves beside it, ended in a refusal of the block."""
+    task = _Task([], [], np.zeros(0, dtype=np.bool_), 1, 1, 1.0)
+    rate = task.admitted(np.array([sigma, omega, *np.zeros(8)]))[:2].view(np.complex128)[0]
+    assert LEAST_DAMPING < -rate.real / abs(rate) < MOST_DAMPING
+    assert 0.0 < rate.imag < np.pi

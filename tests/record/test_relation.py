@@ -230,3 +230,18 @@ def test_a_shift_that_is_none_is_refused(tmp_path: Path, shift: str, message: st
     path.write_text("time_s,voltage_V,displacement_um\n" + "".join(f"{t},{u},{y}\n" for t, u, y in rows))
     with pytest.raises(RecordError, match=message):
         load_record(path, f"shift={shift}")
+
+
+@pytest.mark.parametrize("gains", [(3.0, 0.3), (0.0, 1.5)], ids=["PI", "integral"])
+@pytest.mark.parametrize("noise_um", [1e-4, 1e-2])
+def test_a_voltage_that_reacts_to_the_displacement_is_said(gains: tuple[float, float], noise_um: float) -> None:
+    """A controller of the lag above; the voltage that it put out, played again, reacts to nothing."""
+    rng, (kp, ki), wanted_um = np.random.default_rng(6), gains, 0.1 * SMOOTH_V
+    u_V, y_um, stage, sum_um = np.zeros(ROWS), np.zeros(ROWS), 1.0, 1.0
+    for k in range(ROWS):
+        y_um[k] = stage + noise_um * rng.standard_normal()
+        sum_um += ki * (wanted_um[k] - y_um[k])
+        u_V[k] = kp * (wanted_um[k] - y_um[k]) + sum_um
+        stage += RATE * (0.1 * u_V[k] - stage)
+    said = [any("reacts" in line for line in Record.from_arrays(u_V, y, 1e-3).warnings) for y in (y_um, answer(u_V, 0))]
+    assert said == [True, False]

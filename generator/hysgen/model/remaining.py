@@ -4,7 +4,7 @@
 
     past        1, the free responses of the path (`InputBlock.free_responses`)
     periodic    cos, sin of each line: its phase in this record
-    drift       its course, about its mean            aging       t yhat, about its mean
+    drift       its courses, about their means        aging       t yhat, about its mean
     jump        1 from one row on                     gain step   1 and yhat from one row on
     outliers    rows that no motion explains (`outlier_flags`), which are not counted
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Course = Callable[[Floats, Floats], Floats]
-"""Course of a slow change, (n,), of the time since the start of the segment and of the prediction, (n,) each."""
+"""Courses of a slow change, (n,) or (p, n), of the time in the segment and of the prediction, (n,) each."""
 
 LEAST_EVIDENCE = 2.0 * math.log(99.0)
 """Least evidence of a cause: odds of 99, so that one name in 100 is wrong if the odds are right."""
@@ -224,8 +224,8 @@ def _groups(named: Named, t_s: Floats, predicted_um: Floats) -> list[_Group]:
         turn = 2.0 * np.pi * f_Hz * t_s
         groups.append(_Group("periodic", f"line at {f_Hz:.6g} Hz", np.stack([np.cos(turn), np.sin(turn)])))
     for cause, course in named.courses:
-        found = course(t_s, predicted_um)
-        groups.append(_Group(cause, cause, (found - found.mean())[None]))
+        columns = np.atleast_2d(course(t_s, predicted_um))
+        groups.append(_Group(cause, cause, columns - columns.mean(axis=1, keepdims=True)))
     return groups
 
 

@@ -12,10 +12,15 @@ Steps of the voltage that the displacement answers in their own row, where the m
 d is what the displacement moves beyond its motion before the step, g the gain of the record. s is 0 for
 y(k+1) = f(y(k), u(k)), and the first sample of the answer to a step where both columns were written at the end of a
 period: such a log is one row off, and the error at every step would be taken for a fault of the sensor.
+
+Feedback: what is new in a row of the voltage, e(k) = A(z) u(k), A an autoregression of order PREDICTED, against the
+displacement through the same filter. A stage answers e(k) later; a controller answers the noise of the sensor with e(k)
+of the opposite sign, in the row of the reading or soon after (Box and Jenkins, 1970, section 11.2).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -36,6 +41,10 @@ WINDOWS = 16
 
 MOST = 400_000
 """Samples of the longest run that are correlated."""
+
+PREDICTED, REACTION, REACTS = 20, 4, -0.1
+"""Order of the prediction of the voltage, rows within which a controller reacts, and the correlation from which on it
+does: open loops stay above -0.05, one of 400 rows at six standard errors above -0.3."""
 
 FIRST_PEAK = 0.9
 """Height of a peak of |c|, relative to the highest, that makes it a candidate."""
@@ -151,6 +160,29 @@ def unrelated(runs: Sequence[Segment]) -> float | None:
     return share if share < UNEXPLAINED else None
 
 
+def fed_back(runs: Sequence[Segment]) -> float | None:
+    """Least correlation of the displacement with what is new in the voltage thereafter, if it tells feedback; or None.
+
+    On the longest run; of the sign of the gain, so that an inverted sensor does not look like a controller.
+    """
+    run = max(runs, key=lambda segment: segment.samples)
+    n = min(run.samples, MOST)
+    u, y = (values[:n] - values[:n].mean() for values in (run.u_V, run.y_um))
+    if n < 2 * FEWEST:
+        return None
+    past = np.lib.stride_tricks.sliding_window_view(u, PREDICTED)[:-1]
+    weights = np.linalg.lstsq(past, u[PREDICTED:], rcond=1e-12)[0]
+    new, seen = (
+        values[PREDICTED:] - np.lib.stride_tricks.sliding_window_view(values, PREDICTED)[:-1] @ weights
+        for values in (u, y)
+    )
+    scale = math.sqrt(float(new @ new) * float(seen @ seen)) * np.sign(u @ y)
+    if scale == 0.0:
+        return None
+    least = min(float(new[rows:] @ seen[: seen.size - rows]) / scale for rows in range(REACTION))
+    return least if least < min(REACTS, -6.0 / math.sqrt(n)) else None
+
+
 def slow_response(run: Segment) -> float:
     """Correlation of displacement and voltage at the lowest frequencies that hold SLOW of the voltage's power, -1 to 1.
 
@@ -171,9 +203,17 @@ def slow_response(run: Segment) -> float:
 def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     """A line for a displacement that does not follow the voltage, falls as it rises, or follows at another time.
 
-    Judged on the longest run, and on the steps of all (`same_row`). Ts_s: sampling period in s, None if not known yet.
+    One for feedback, too. Judged on the longest run, and on the steps of all (`same_row`). Ts_s: sampling period in s,
+    None if not known yet.
     """
     yield from same_row(runs)
+    reaction = fed_back(runs)
+    if reaction is not None:
+        yield (
+            f"{runs[0].origin.source}: {runs[0].origin.voltage} reacts to {runs[0].origin.displacement} (correlation "
+            f"{reaction:.2f} with its noise): recorded while a controller ran, which moves creep and drift from the "
+            "displacement into the voltage; to tell them apart, record in open loop"
+        )
     run = max(runs, key=lambda one: one.u_V.size)
     lag = lag_of(run)
     if lag is None:

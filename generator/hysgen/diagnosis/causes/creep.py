@@ -94,8 +94,8 @@ class CreepCause(Cause):
         return [] if part.past is None else [chain.having(part.rested)]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
-        """The best start of each form."""
-        return list({start.chain.of(CreepPart).past is None: start for start in reversed(candidates)}.values())
+        """The best start for each level of the past: a fit does not leave the side on which it starts."""
+        return list({start.chain.of(CreepPart).past_V: start for start in reversed(candidates)}.values())
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         decades = math.log10(max(seen.longest_rest_s / (10.0 * seen.record.Ts_s), 1e-9))

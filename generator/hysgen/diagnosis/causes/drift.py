@@ -1,6 +1,7 @@
 """Drift: slow movement that does not depend on the input and is equal on rising and falling input.
 
-Its rate is constant, or it decreases with the logarithm of time, like creep from a move before the record.
+Its rate is constant, or it decreases with the logarithm of time, like creep from a move before the record, or changes
+at evenly spaced times, as that of a stage does whose surroundings warm up and cool down: how it goes on is not known.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from hysgen.diagnosis.probe import (
     RunSignals,
     Scene,
     ShapeParameter,
+    TrainingFit,
     standard_errors,
     whitened_fit,
 )
@@ -43,6 +45,9 @@ AT_BOUND = 1.05
 SLOWER = 0.1 * math.log10(math.e)
 """What creep slower than ten times the record moves within it, per decade and unit of a step before it."""
 
+BENDS = 7
+"""Changes of the rate within the record: an eighth of it is slow beside any motion that tells memory from dynamics."""
+
 SINCE = (0.01, 0.05, 0.25)
 """Starting values of the time between the start of a drift that slows down and the record, as shares of the record."""
 
@@ -59,24 +64,41 @@ def trend_course(t_s: Floats | float, since_s: float | None) -> Floats:
     return np.asarray(t_s, dtype=np.float64) if since_s is None else np.log10(1.0 + np.asarray(t_s) / since_s)
 
 
+def bent_courses(t_s: Floats, span_s: float, bends: int) -> list[Floats]:
+    """Ramps from each of `bends` evenly spaced times within span_s on, to its end: there, one from 0 on would be 1."""
+    at_s = span_s * np.arange(1, bends + 1) / (bends + 1)
+    return [np.clip(t_s - begin_s, 0.0, span_s - begin_s) / span_s for begin_s in at_s]
+
+
 @dataclass(frozen=True)
 class Trend(Correction):
     """The drift over a segment: size_um times `trend_course`, i.e. um per second, or per decade if it slows down.
 
-    level_s: end of the identified rows; the level of the model is that of the stage from then on.
+    level_s: end of the identified rows; the level of the model is that of the stage from then on. bends_um: sizes of
+    the `bent_courses` until then; a drift with any stays at its last level.
     """
 
     size_um: float
     since_s: float | None = None
     level_s: float = 0.0
+    bends_um: tuple[float, ...] = ()
 
     def at(self, t_s: Floats) -> Floats:
         """(n,) um at times t_s after the start of a segment."""
-        return self.size_um * trend_course(t_s, self.since_s)
+        if not self.bends_um:
+            return self.size_um * trend_course(t_s, self.since_s)
+        bent = np.array(self.bends_um) @ bent_courses(t_s, self.level_s, len(self.bends_um))
+        return np.asarray(self.size_um * np.minimum(t_s, self.level_s) + bent)
+
+    def course(self, t_s: Floats, predicted_um: Floats) -> Floats:
+        """(n,) the course of a drift of unit size; (1 + p, n) those of one that bends, over the time t_s."""
+        if not self.bends_um:
+            return super().course(t_s, predicted_um)
+        return np.array([t_s, *bent_courses(t_s - t_s[0], float(np.ptp(t_s)), len(self.bends_um))])
 
     @property
     def level_um(self) -> float:
-        return self.size_um * float(trend_course(self.level_s, self.since_s))
+        return float(self.at(np.array(self.level_s)))
 
     def removed(self, y_um: Floats, t_s: Floats) -> Floats:
         """y - drift(t)"""
@@ -112,6 +134,22 @@ class DriftPart(Part):
         return [trend_course(run.time_s(extent.Ts_s), self.since_s) / trend_course(extent.span_s, self.since_s)]
 
 
+@dataclass(frozen=True)
+class BentDriftPart(DriftPart):
+    """A ramp and the `bent_courses` as added columns."""
+
+    flexible: ClassVar[bool] = True
+    bends: int = 0
+
+    @property
+    def added(self) -> int:
+        return 1 + self.bends
+
+    def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
+        ramp = super().columns(run, extent, seen)
+        return [*ramp, *bent_courses(run.time_s(extent.Ts_s), extent.span_s, self.bends)]
+
+
 class DriftCause(Cause):
     name = "drift"
     rank = 90
@@ -126,7 +164,7 @@ class DriftCause(Cause):
 
         Of a move over the whole range before the record, the states slower than ten records, which the creep of an
         earlier move lacks, leave a ramp by per_decade log10(e) / 10. A drift that slows down has the course of the
-        creep of such a move, so beside creep it has no score.
+        creep of such a move, so beside creep it has no score; one that bends has that of any slow change.
         """
         chain, part = fit.chain, fit.chain.get(DriftPart)
         if part is None:
@@ -134,31 +172,38 @@ class DriftCause(Cause):
         creep = chain.get(CreepPart)
         if part.since_s is not None:
             return creep is None
+        if isinstance(part, BentDriftPart):
+            return creep is None and not np.any(chain.gain_change(scene.time_s))
         past = 0.0 if creep is None or creep.past is None else creep.per_decade
         hidden = max(SLOWER * past, ZERO_UNCERTAIN * float(np.max(np.abs(chain.gain_change(scene.time_s)))))
         return abs(_drift(scene, fit).size_um) * scene.span_s > hidden * float(np.ptp(scene.y_um))
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
-        """A ramp in place of a drift that slows down."""
-        return [] if chain.of(DriftPart).since_s is None else [chain.having(DriftPart())]
+        """A ramp in place of a drift that slows down or bends."""
+        return [] if chain.of(DriftPart) == DriftPart() else [chain.having(DriftPart())]
+
+    def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
+        """The best with few columns, and the one that bends, which leaves less whatever the course is."""
+        few = [start for start in candidates if not isinstance(start.chain.of(DriftPart), BentDriftPart)]
+        return [*few[: self.starts], *(start for start in candidates if start not in few)]
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         back = "the voltage comes back to a level late in the record" if seen.returns else "come back to a level later"
         return seen.returns, back
 
     def proposals(self, residual: Residual) -> list[Chain]:
-        """A ramp, and drifts that slow down."""
+        """A ramp, and drifts that slow down or bend."""
         chain = residual.fit.chain
         creep = chain.get(CreepPart)
         if creep is not None:
             # Creep of an earlier move takes a part of a ramp: the drift is beside that of a stage that rested, too.
             forms = dict.fromkeys((chain, chain.having(creep.rested)))
             return [] if self.present(chain) else [form.having(DriftPart()) for form in forms]
-        slowing = [chain.having(DriftPart(share * residual.scene.span_s)) for share in SINCE]
+        uneven = [DriftPart(share * residual.scene.span_s) for share in SINCE] + [BentDriftPart(bends=BENDS)]
         part = chain.get(DriftPart)
         if part is not None:
-            return [] if part.since_s is not None else slowing
-        return [chain.having(DriftPart()), *slowing]
+            return [chain.having(form) for form in uneven] if part == DriftPart() else []
+        return [chain.having(form) for form in (DriftPart(), *uneven)]
 
     def effect(self, residual: Residual) -> Effect:
         return Effect("um/s", residual.scene.time_s)
@@ -168,21 +213,31 @@ class DriftCause(Cause):
 
         The error of a ramp is by the whitened fit.
         """
-        slowing = residual.fit.chain.of(DriftPart).since_s is not None
-        scene, fit = (residual.scene, residual.fit) if slowing else whitened_fit(residual.scene, residual.fit)
+        part = residual.fit.chain.of(DriftPart)
+        scene, fit = (
+            whitened_fit(residual.scene, residual.fit) if part == DriftPart() else (residual.scene, residual.fit)
+        )
         chain, drift = fit.chain, _drift(scene, fit)
-        course = float(trend_course(scene.span_s, drift.since_s))
-        error = float(standard_errors(scene, fit).added[chain.first_column(DriftPart)]) / course
-        z = abs(drift.size_um) / max(error, 1e-15)
+        course, first = float(trend_course(scene.span_s, drift.since_s)), chain.first_column(DriftPart)
+        errors = standard_errors(scene, fit).added[first : first + part.added]
+        error = float(errors[0]) / course
+        z = float(np.max(np.abs([drift.size_um * course, *drift.bends_um]) / np.maximum(errors, 1e-15)))
         shares = [_seen(residual, sign) for sign in (1.0, -1.0)]
-        alike = f"({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
-        size = f"{decimal(drift.size_um, 3)} um {{}} +- {decimal(error, 1)}"
-        if drift.since_s is None:
-            text = f"{size.format('per second')} whatever the input does {alike}"
+        alike = f"whatever the input does ({shares[0]:.2f} of it seen rising, {shares[1]:.2f} falling)"
+        size = f"{decimal(drift.size_um, 3)} um per {{}} +- {decimal(error, 1)} {alike}"
+        if drift.bends_um:
+            at_s = np.linspace(0.0, scene.span_s, len(errors) + 1)
+            rates = np.diff(drift.at(at_s)) / np.diff(at_s)
+            moved_um = float(np.ptp(drift.at(at_s)))
+            low, high = decimal(float(rates.min()), 2), decimal(float(rates.max()), 2)
+            text = f"{decimal(moved_um, 3)} um in all {alike}, at {low} to {high} um/s: no line describes it"
+            parameters = {"moved_um": Estimate(moved_um, math.nan)}
+        elif drift.since_s is None:
+            text = size.format("second")
             parameters = {"ramp_um_per_s": Estimate(drift.size_um, error)}
         else:
             text = (
-                f"{size.format('per decade of time')} whatever the input does {alike}, "
+                f"{size.format('decade of time')}, "
                 f"slowing down like the creep of a move {drift.since_s:.2g} s before the record"
             )
             if drift.since_s < AT_BOUND * SOONEST * scene.span_s:
@@ -205,8 +260,10 @@ class DriftCause(Cause):
 
 def _drift(scene: Scene, fit: Fit) -> Trend:
     """The drift of a fit."""
-    weight, since_s = float(fit.weights[scene.column_of(fit.chain, DriftPart)]), fit.chain.of(DriftPart).since_s
-    return Trend(weight / float(trend_course(scene.span_s, since_s)), since_s, scene.span_s)
+    first, part = scene.column_of(fit.chain, DriftPart), fit.chain.of(DriftPart)
+    size_um, *bends_um = fit.weights[first : first + part.added].tolist()
+    size_um /= float(trend_course(scene.span_s, part.since_s))
+    return Trend(size_um, part.since_s, scene.span_s, tuple(bends_um))
 
 
 def _seen(residual: Residual, direction: float) -> float:

@@ -26,7 +26,7 @@ LEAST_PEAK = 10.0
 class PeriodicCause(Cause):
     name = "periodic"
     rank = 80
-    experiment = "record at least twelve periods"
+    experiment = "record at least four periods"
     part = Periodic
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:

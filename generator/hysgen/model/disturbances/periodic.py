@@ -30,8 +30,8 @@ from hysgen.record.series import turning_rows
 
 BLOCK = 512
 
-FEWEST_PERIODS = 12.0
-"""Least periods of a line in a record: three per quarter, whose phases are compared. Slower lines resemble misfit."""
+FEWEST_PERIODS = 4.0
+"""Least periods of a line in a record: one per quarter, whose phases are compared. A slower one may be a drift."""
 
 LINE = ShapeParameter(
     "f_Hz", "Hz", lambda e: (FEWEST_PERIODS / e.span_s, 0.5 / e.Ts_s), step=lambda e: 1e-3 / e.span_s, order=3.0
