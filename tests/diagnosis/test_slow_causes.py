@@ -79,6 +79,23 @@ def test_drift_at_one_rate_stays_a_ramp() -> None:
 
 
 @pytest.mark.slow
+def test_a_drift_that_comes_and_goes_is_no_line() -> None:
+    """Warmth that fades in from a third of the record on, and out from two thirds on."""
+    t_s = TS_S * np.arange(SAMPLES)
+    warm = [1.0 - np.exp(-np.maximum(t_s - share * SPAN_S, 0.0) / 0.4) for share in (1.0 / 3.0, 2.0 / 3.0)]
+    scene = drifting(0.05 * (warm[0] - 1.4 * warm[1]))
+    found = search(scene)
+    residual, cause = Residual(scene, found.fit), causes()["drift"]
+    assert "no line describes it" in cause.signature(residual, found.rivals["drift"]).text
+    drift = cause.extension(residual).correction
+    assert isinstance(drift, Trend)
+    moved = drift.at(t_s) - 0.05 * (warm[0] - 1.4 * warm[1])
+    # Straight pieces of half a second round the corners of an exponential of 0.4 s off by a tenth of its height.
+    assert np.std(moved[50:]) < 0.007
+    assert drift.at(2.0 * t_s[-1:]) == pytest.approx(drift.level_um)
+
+
+@pytest.mark.slow
 def test_aging_of_a_stage_with_hysteresis_is_named() -> None:
     naming = name_causes(record_of("aging", 0))
     assert naming.names == ("memory", "aging")
