@@ -33,7 +33,7 @@ all-tests: $(VENV)/.tested
 	$(PY) -m pytest -n auto --dist worksteal -m "not proof"
 
 prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, and longer forms of tests: about nine minutes
-	$(PY) -m pytest -n auto -m proof
+	$(PY) -m pytest -n auto --dist worksteal -m proof
 
 style: $(VENV)/.tested
 	$(PY) -m ruff check .

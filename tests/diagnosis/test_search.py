@@ -142,7 +142,7 @@ def test_a_drift_is_named_beside_creep_and_creep_of_a_move_before_the_record_is_
     """The move: down by 10 um, 1 s before the record, of which 0.02 per decade goes on, 0.14 um in the record."""
     gone_um = -0.2 * np.log10(1.0 + T_S / 1.0)
     ramp_um, both = 0.02 * T_S / SPAN_S, ["creep", "drift"]
-    for more_um, causes_named in ((0.5 * ramp_um, both), (gone_um, ["creep"]), (gone_um + ramp_um, both)):
+    for more_um, causes_named in ((gone_um, ["creep"]), (gone_um + ramp_um, both)):
         found = search.search(scene(CREEP, more_um))
         assert named(found) == causes_named
 
@@ -183,16 +183,3 @@ def test_the_search_names_a_drift_below_the_misfit() -> None:
     assert named(found) == ["drift"]
     assert found.confidence["drift"] > 0.99
     assert named(search.search(scene(LAG, CURVED_UM))) == []
-
-
-@pytest.mark.slow
-def test_jumps_below_the_misfit_are_evident_between_two_samples() -> None:
-    """Up, up and down, on a misfit twice as large."""
-    planted_s = (0.9, 2.0, 3.1)
-    stairs_um = 0.06 * sum(sign * (t_s <= T_S) for sign, t_s in zip((1.0, 1.0, -1.0), planted_s, strict=True))
-    bent_um = 0.2 * respond(np.sin(0.06 * np.pi * COMMAND_V), LAG, TS_S)
-    found = search.search(scene(LAG, bent_um + stairs_um))
-    assert named(found) == ["unknown"]
-    for at_s in found.fit.chain.of(SuddenPart).times_s:
-        assert min(abs(at_s - true_s) for true_s in planted_s) < 2.0 * TS_S
-    assert named(search.search(scene(LAG, bent_um))) == []
