@@ -31,6 +31,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("thesis.html").write_text("<p>mine</p>")
     Path("c").mkdir()
     Path("c/appendix_a.h").write_text("/* mine */\n")
+    Path("ours").mkdir()
+    Path("ours/MANIFEST.json").write_text('{"schema": "hysgen-manifest", "model": "appendix_a", "files": {}}')
     return tmp_path
 
 
@@ -46,6 +48,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("score appendix_a ok.csv --plot x.bmp", "--plot x.bmp: writes .png"),
         ("generate appendix_a -o ok.csv", "-o ok.csv: is a file; name a folder"),
         ("generate appendix_a -o c", "c/appendix_a.h: exists, and hysgen did not write it"),
+        ("export appendix_a --to cmake -o c", "-o c: holds files of others"),
+        ("generate appendix_b -o ours", "ours: holds the C of appendix_a, not of appendix_b; name another folder"),
         ("fit ok.csv -o /proc/nowhere/x.json", "cannot be written"),
         ("demo -o .", "record.csv: exists, and hysgen did not write it"),
     ],

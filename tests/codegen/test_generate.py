@@ -22,15 +22,17 @@ from hypothesis import strategies as st
 
 import hysgen
 from fixtures.generated_models import diagnosed, everything, learning, smooth
+from hysgen.cli import main
 from hysgen.codegen import Options, derived, generate, write
 from hysgen.codegen.manifest import MANIFEST, read_folder, stale
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BudgetError, CertificateError, HysgenError
+from hysgen.export import exports
 from hysgen.machine.files import digest
-from hysgen.model.file import dump_model, load_model
+from hysgen.model.file import dump_model, load_model, save_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
-from hysgen.model.scores import NO_BETTER
+from hysgen.model.scores import NEXT_TO_NOTHING
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 
@@ -147,11 +149,29 @@ def test_an_inverse_over_a_collapsed_range_or_one_that_noise_moves_is_refused() 
         generate(collapsed)
     generate(collapsed, Options(inverse=False))
     generate(dataclasses.replace(collapsed, grid=Grid(2.0, 3.0, 6)))
-    for stored in ({"noise_floor": {"rms_um": 1.0}}, {"warnings": [NO_BETTER]}):
-        harmful = dataclasses.replace(load_model("appendix_a"), scores={"identification": stored})
-        with pytest.raises(HysgenError, match=r"half the noise|a constant"):
-            hysgen.generate(harmful)
-        assert hysgen.generate(harmful, force=True).texts
+
+
+@pytest.mark.parametrize("stored", [{"noise_floor": {"rms_um": 1.0}}, {"warnings": [f"r.csv: {NEXT_TO_NOTHING}"]}])
+def test_a_model_that_does_harm_has_no_c_of_any_kind_without_force(
+    stored: dict[str, object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Half the noise moves the inverse by all of its range, or the model explains next to nothing of its record."""
+    monkeypatch.chdir(tmp_path)
+    harmful = dataclasses.replace(load_model("appendix_a"), scores={"identification": stored})
+    save_model(harmful, Path("m.json"))
+    calls = [
+        "generate m.json -o c",
+        "firmware m.json -o f --samples 9",
+        *(f"export m.json --to {t} -o e" for t in exports()),
+    ]
+    if "warnings" in stored:
+        calls += ["image m.json -o i", "waveform m.json sine -o u.csv", "loop m.json"]
+    for call in calls:
+        assert main(call.split()) == 2, call
+        assert re.search(r"half the noise|next to nothing", capsys.readouterr().err), call
+    assert [path.name for path in tmp_path.iterdir()] == ["m.json"]
+    assert hysgen.generate(harmful, force=True).texts
+    assert main(["image", "m.json", "-o", "i", "--force"]) == 0
 
 
 def test_code_over_budget_is_refused_with_the_numbers() -> None:

@@ -16,7 +16,7 @@ from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
 from hysgen.codegen import Derived, Options, write
 from hysgen.codegen import generate as generate_texts
-from hysgen.codegen.manifest import MANIFEST, read_folder
+from hysgen.codegen.manifest import MANIFEST, read_folder, require_model
 from hysgen.codegen.operations.cycles import C674X, Weights
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
@@ -61,12 +61,11 @@ def generate(model: Model, options: Options | None = None, force: bool = False) 
     """The C of a model as text; by default with the inverse if that is certified.
 
     Raises CertificateError if the inverse in `options` is not certified, BudgetError if a sample exceeds its period;
-    without `force`, also ModelError for a model worse than a constant, CertificateError if noise moves the inverse.
+    without `force`, also ModelError for a model of next to nothing, CertificateError if noise moves the inverse.
     """
     derived = Derived(model_of(model))
     chosen = options or derived.options
-    if not force:
-        derived.require_use(chosen.inverse)
+    chosen = dataclasses.replace(chosen, forced=chosen.forced or force)
     return Generated(derived.model, generate_texts(derived, chosen))
 
 
@@ -79,8 +78,7 @@ def _as_before(model: Model, folder: Path) -> tuple[Model, Options | None]:
     if not (folder / MANIFEST).exists():
         return model, None
     before = read_folder(folder)
-    if before.model.name != model.name:
-        raise HysgenError(f"{folder}: holds the C of {before.model.name}, not of {model.name}; name another folder")
+    require_model(folder / MANIFEST, model.name)
     options = before.facts.get("options", {})
     clock_Hz = float(options.get("clock_Hz", Options().clock_Hz))
     stated = before.facts.get("cost", {}).get("cycles", {}).items()

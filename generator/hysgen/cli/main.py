@@ -77,7 +77,9 @@ def parser(names: Sequence[str] = NAMES, program: Program = HYSGEN) -> argparse.
         )
         chosen.arguments(sub)
         sub.add_argument("--json", metavar="FILE", help="write the result as JSON to FILE, or to stdout with -")
-        sub.add_argument("--force", action="store_true", help="replace files that hysgen did not write")
+        sub.add_argument(
+            "--force", action="store_true", help="replace files of others, use a model that explains nothing"
+        )
         sub.add_argument("-q", "--quiet", action="store_true", help="no progress and no warnings")
         sub.add_argument("-v", "--verbose", action="store_true", help="every step on a line of its own, with its time")
         sub.set_defaults(run=chosen.run, outputs=chosen.outputs)

@@ -7,7 +7,6 @@ written by hysgen (unless --force), a suffix of another format, and a folder tha
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import stat
 import tempfile
@@ -114,20 +113,11 @@ def check_device(path: Path, option: str) -> None:
 
 def check_files(folder: Path, names: Iterable[str], option: str, force: bool) -> None:
     """`check_file` for files of these names in a folder; what its manifest lists was written by hysgen."""
-    listed = _listed(folder / "MANIFEST.json")
+    from hysgen.codegen.manifest import MANIFEST, listed  # imports NumPy, which a refusal does without
+
+    _, ours = listed(folder / MANIFEST)
     for name in names:
-        check_file(folder / name, option, force or name in listed)
-
-
-def _listed(manifest: Path) -> set[str]:
-    """The files that a manifest of generated C lists; none if there is no manifest."""
-    try:
-        facts = json.loads(manifest.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return set()
-    return (
-        set(facts.get("files", ())) if isinstance(facts, dict) and facts.get("schema") == "hysgen-manifest" else set()
-    )
+        check_file(folder / name, option, force or name in ours)
 
 
 def written_by_hysgen(path: Path) -> bool:

@@ -7,6 +7,7 @@ model and options give the same bytes on every machine and at any time.
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from collections import defaultdict
 from collections.abc import Mapping
@@ -16,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from hysgen.codegen.derived import Derived, Options
-from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file
+from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file, require_model
 from hysgen.codegen.operations import Figures, figures
 from hysgen.codegen.operations.cycles import Cycles, budget, cycles_of, per_sample, require_budget
 from hysgen.codegen.parameters import Table, error_section, error_texts, numbers_digest
@@ -26,7 +27,7 @@ from hysgen.codegen.structs import alignment, interface, structs
 from hysgen.display import decimal
 from hysgen.errors import CertificateError, HysgenError, ModelError
 from hysgen.float32.reference.accuracy import Accuracy, accuracy
-from hysgen.machine.files import digest, write_whole
+from hysgen.machine.files import digest, only_writer, write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.intervals import LARGEST
@@ -51,8 +52,8 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     """The text of every file of the generated folder, by file name.
 
     Raises CertificateError, with place and value, if the options include an inverse that is singular or not certified
-    stable in the model's range, BudgetError, with the numbers, if a sample takes longer than the sample period, and
-    ModelError if float32 does not resolve the displacement.
+    stable in the model's range, BudgetError, with the numbers, if a sample takes longer than the sample period,
+    ModelError if float32 does not resolve the displacement, and what `Derived.require_use` raises unless forced.
     """
     chosen = options or Options()
     derived = Derived.of(model)
@@ -60,6 +61,8 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     _require_resolution(model)
     if chosen.inverse:
         derived.require_inverse()
+    if not chosen.forced:
+        derived.require_use(chosen.inverse)
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
     _require_inverse_resolution(model, errors)
     facts = _facts(derived, errors, inverse=chosen.inverse)
@@ -185,9 +188,15 @@ def marked_source(model: Model, *, inverse: bool) -> str:
 
 
 def write(texts: Mapping[str, str], folder: Path) -> None:
-    """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file."""
-    for name in sorted(texts, key=lambda name: name == MANIFEST):
-        write_whole(folder / name, texts[name])
+    """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file.
+
+    Processes take turns. Raises HysgenError, with nothing written, if the folder holds the C of another model.
+    """
+    with only_writer(folder):
+        for place in (name for name in texts if name.endswith(MANIFEST)):
+            require_model(folder / place, json.loads(texts[place])["model"])
+        for name in sorted(texts, key=lambda name: name.endswith(MANIFEST)):
+            write_whole(folder / name, texts[name])
 
 
 def _algorithm_facts(derived: Derived, *, inverse: bool) -> dict[str, Any]:

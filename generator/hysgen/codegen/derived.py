@@ -16,7 +16,7 @@ from hysgen.codegen.render import Feature
 from hysgen.errors import CertificateError, ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.model.model import Model
-from hysgen.model.scores import NO_BETTER
+from hysgen.model.scores import NEXT_TO_NOTHING
 
 MOST_MOVED = 0.1
 """Share of its range by which half the noise of the displacement may move the input that an inverse asks for."""
@@ -30,6 +30,7 @@ class Options:
     cycles: measured stall-free cycles by function; the cycles of functions that are not listed are estimated.
     budget_cycles: cycles that one sample may take; None: the sample period.
     aligned: whether the learner is aligned to 8 bytes on the C674x, as its kernels demand.
+    forced: whether there is C of a model, and an inverse, that `Derived.require_use` refuses.
     """
 
     inverse: bool = True
@@ -37,6 +38,7 @@ class Options:
     cycles: Mapping[str, int] = field(default_factory=dict)
     budget_cycles: int | None = None
     aligned: bool = False
+    forced: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,13 +88,12 @@ class Derived:
         return Options(inverse=self.certificates.inverse_holds)
 
     def require_use(self, inverse: bool) -> None:
-        """Raise ModelError for a model that is worse than a constant, CertificateError for an inverse that noise moves.
-
-        noise/2 > MOST_MOVED (w_high - w_low) min |b(y)|
+        """Raise ModelError for a model that explains next to nothing of its record, CertificateError if noise moves the
+        inverse: noise/2 > MOST_MOVED (w_high - w_low) min |b(y)|.
         """
         name, known, scale = self.model.name, self.model.scores.get("identification", {}), self.certificates
         for line in known.get("warnings", ()):
-            if line.endswith(NO_BETTER):
+            if NEXT_TO_NOTHING in line:
                 raise ModelError(f"{name}: {line}; record again, or give --force")
         noise_um = 0.5 * float(known.get("noise_floor", {}).get("rms_um", 0.0))
         gain, whole = min(abs(scale.gain_lowest.value), abs(scale.gain_highest.value)), float(np.ptp(scale.w_range))

@@ -91,6 +91,23 @@ def _read_manifest(path: Path) -> dict[str, Any]:
     return facts
 
 
+def listed(path: Path) -> tuple[str, frozenset[str]]:
+    """Model and files that a manifest names; "" and none where there is no manifest."""
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        known = facts["schema"] == SCHEMA
+        return (str(facts["model"]), frozenset(facts["files"])) if known else ("", frozenset())
+    except (OSError, ValueError, LookupError, TypeError):
+        return "", frozenset()
+
+
+def require_model(path: Path, name: str) -> None:
+    """Raise HysgenError if the manifest at `path` is of a model of another name: their files would mix."""
+    before, _ = listed(path)
+    if before not in ("", name):
+        raise HysgenError(f"{path.parent}: holds the C of {before}, not of {name}; name another folder")
+
+
 @dataclass(frozen=True)
 class Stale:
     """A file that is missing or differs; line: number of the first different line, counted from 1."""

@@ -14,10 +14,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from hysgen.codegen import Options, generate, in_quantities
+from hysgen.codegen import Options, generate, in_quantities, write
 from hysgen.errors import HysgenError
 from hysgen.export.base import Draft, Export, Written, component_facts
-from hysgen.machine.files import write_whole
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.record.columns import nearest
@@ -62,8 +61,7 @@ def write_export(
     export = export_of(name)
     draft = _draft(model, export, options)
     texts = _texts(export, draft)
-    for path, text in texts.items():
-        write_whole(folder / path, text)
+    write(texts, folder)
     values = {option.name: "" for option in export.options} | dict(given or {})
     return [folder / path for path in (*texts, *export.finish(Written(draft, folder, texts, values)))]
 

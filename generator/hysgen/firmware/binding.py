@@ -29,16 +29,16 @@ TYPES: Final = ("t", "bank_t", "learner_t")
 """Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
 
 
-def firmware_model(model: Model, *, aligned: bool = False) -> dict[str, str]:
+def firmware_model(model: Model, *, aligned: bool = False, forced: bool = False) -> dict[str, str]:
     """The files of the model's folder in firmware/models by name: generated C and model.h.
 
-    aligned: whether the learner is aligned for kernels.
+    aligned: whether the learner is aligned for kernels; forced: as in `Options`.
 
     Raises ModelError if the firmware cannot drive the model, and the errors of `generate`.
     """
     require_drivable(model)
     model = unphased(model)
-    return generate(model, Options(aligned=aligned)) | {BINDING: binding(model)}
+    return generate(model, Options(aligned=aligned, forced=forced)) | {BINDING: binding(model)}
 
 
 def unphased(model: Model) -> Model:

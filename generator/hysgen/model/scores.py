@@ -236,7 +236,7 @@ def taken_json(taken: Taken) -> dict[str, Any]:
     return dataclasses.asdict(taken) | {"rows": list(taken.rows)}
 
 
-NO_BETTER = ", and a constant is wrong by less"
+NEXT_TO_NOTHING = "it explains next to nothing of this record"
 USELESS = 0.7
 """Free-run error relative to the standard deviation of the displacement from which on a model explains less than half
 of the variance."""
@@ -391,8 +391,8 @@ def _doubts(record: Record, free: Score, ahead: Score, resting: Score) -> Iterat
     if free.e_rms_um > USELESS * (varies_um := float(np.std(y_um))):
         yield (
             f"{record.source}: in free run the model is wrong by {free.e_rms_um:.4g} um where the displacement itself "
-            f"varies by {varies_um:.4g} um rms: it explains next to nothing of this record"
-            f"{NO_BETTER if free.e_rms_um > varies_um else ''}"
+            f"varies by {varies_um:.4g} um rms: {NEXT_TO_NOTHING}"
+            f"{', and a constant is wrong by less' if free.e_rms_um > varies_um else ''}"
         )
 
 

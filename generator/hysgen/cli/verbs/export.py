@@ -7,8 +7,10 @@ from pathlib import Path
 
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_learner_options, add_model, with_learner
+from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import add_code_options, code_options, restricted
+from hysgen.codegen.manifest import MANIFEST
 from hysgen.errors import HysgenError
 from hysgen.export import export_of, exports, write_export
 from hysgen.export.check import compare
@@ -47,6 +49,9 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError(f"--check N compares at least 1 sample of a target that runs: {runs}")
     options = code_options(arguments)
     folder = Path(arguments.output)
+    others = folder.is_dir() and any(folder.iterdir()) and not (folder / "model" / MANIFEST).exists()
+    if others and not arguments.force:
+        raise HysgenError(f"-o {folder}: holds files of others; choose another folder, or add --force")
     values = {option.name: getattr(arguments, option.name) for option in chosen.options}
     written = write_export(model, arguments.to, folder, options, values)
     own = [path for path in written if "model" not in path.relative_to(folder).parts]
@@ -63,4 +68,4 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     return console.finish({**answer, "checked": checked}, not any(line.differ for line in compared))
 
 
-VERBS = {"export": Verb(HELP, arguments, run)}
+VERBS = {"export": Verb(HELP, arguments, run, {"output": Output("-o", folder=True)})}

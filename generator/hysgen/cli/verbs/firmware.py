@@ -10,7 +10,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
-from hysgen.cli.verbs.generate import add_kernels
+from hysgen.cli.verbs.generate import add_kernels, usable_model
 from hysgen.errors import BuildError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.image import Label, encode, read_key
@@ -43,7 +43,7 @@ def run_firmware(arguments: argparse.Namespace, console: Console) -> int:
     if model.learner is None:
         model = with_learner(model)
         console.say(f"{model.name}: no learner settings in the file; one of the rules' consequents is added")
-    code = Generated(model, firmware_model(model, aligned=bool(arguments.kernels)))
+    code = Generated(model, firmware_model(model, aligned=bool(arguments.kernels), forced=arguments.force))
     if arguments.kernels:
         code = with_kernels(code, arguments.kernels)
     for line in code.warnings:
@@ -81,7 +81,7 @@ def image_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_image(arguments: argparse.Namespace, console: Console) -> int:
-    model = load_model(arguments.model)
+    model = usable_model(arguments)
     words = structure_digest(model)
     if arguments.flashed:
         flashed = load_model(arguments.flashed)

@@ -13,7 +13,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
-from hysgen.codegen import Options
+from hysgen.codegen import Derived, Options
 from hysgen.codegen.manifest import read_folder, stale
 from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ
 from hysgen.display import table
@@ -99,7 +99,7 @@ def code_options(arguments: argparse.Namespace) -> Options:
     clock = CLOCK_HZ if arguments.clock is None else arguments.clock
     if not clock > 0.0 or (arguments.budget is not None and arguments.budget < 1):
         raise HysgenError("--clock and --budget are positive; give the clock in Hz and the budget in cycles")
-    return Options(not arguments.no_inverse, clock, cycles, arguments.budget)
+    return Options(not arguments.no_inverse, clock, cycles, arguments.budget, forced=arguments.force)
 
 
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
@@ -110,7 +110,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
             f"--assembler {arguments.assembler} is the syntax of the kernels' file; add --kernels {known}"
         )
     options = dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels))
-    code = generate(model, options, arguments.force)
+    code = generate(model, options)
     if arguments.kernels:
         code = with_kernels(code, arguments.kernels, arguments.assembler)
     for line in code.warnings:
@@ -124,6 +124,14 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
     for name, size in sizes.items():
         console.say(f"written: {folder / name} ({size} bytes)")
     return console.finish({"model": model.name, "files": sizes})
+
+
+def usable_model(arguments: argparse.Namespace) -> Model:
+    """The model of the call. Raises ModelError without --force if it explains next to nothing of its record."""
+    model = load_model(arguments.model)
+    if not arguments.force:
+        Derived(model).require_use(inverse=False)
+    return model
 
 
 def restricted(model: Model, arguments: argparse.Namespace) -> Model:

@@ -9,6 +9,7 @@ from hysgen.api.models import design_loop
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.generate import usable_model
 from hysgen.errors import HysgenError
 from hysgen.feedback.stage import LATENCY, Uncertainty
 
@@ -44,7 +45,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
         changes = {key.strip(): float(value) for key, _, value in parts}
     except ValueError as fault:
         raise HysgenError(f"--uncertainty: {fault}; write KEY=VALUE, as frequency=0.02,gain=0.1") from fault
-    designed = design_loop(arguments.model, arguments.latency, **changes)
+    designed = design_loop(usable_model(arguments), arguments.latency, **changes)
     console.say(str(designed))
     if arguments.plot:
         designed.plot().save(arguments.plot)

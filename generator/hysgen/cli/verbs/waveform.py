@@ -14,6 +14,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs.generate import usable_model
 from hysgen.display import WRITTEN_IN, Displayed
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
@@ -90,7 +91,7 @@ def run_simulate(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def run_waveform(arguments: argparse.Namespace, console: Console) -> int:
-    model = load_model(arguments.model)
+    model = usable_model(arguments)
     periods = 1.0 if arguments.periodic else arguments.periods
     form = Form(arguments.amplitude, arguments.centre, arguments.frequency, periods)
     plan = waveform(
