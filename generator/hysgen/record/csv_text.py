@@ -24,6 +24,7 @@ from hysgen.errors import RecordError
 from hysgen.record.checks import SHORTEST
 from hysgen.record.columns import Columns, plain_unit, split_unit
 from hysgen.record.formats.base import FileArrays, Text
+from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, guessed, has_time
 from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, quantity, values_of
@@ -350,7 +351,7 @@ def _rows(layout: Layout, use: Sequence[int]) -> tuple[list[Row], list[int], lis
             other.append((line, cells))
             continue
         if other:
-            again = next((number for number, one in other if one == header), None)
+            again = next((number for number, one in other if [*unique(one)] == header), None)
             if again is not None or other[-1][1] == units:
                 starts.append(len(rows))
                 repeated.append(other[0][0] if again is None else again)

@@ -122,14 +122,11 @@ def _around(source: str, text: str, lines: list[str], columns: Columns, start: S
     """The layout with the header, the row of units and the preamble before the first row of numbers."""
     above = [i for i in range(start.at) if is_data(lines[i]) or without_comment(lines[i])]
     told = _told(lines[: start.at], start.separator, start.fields)
-    labels = next((line.split("\t")[1:] for line in lines[: start.at] if line.startswith("Y_Unit_Label\t")), [])
     names, units = told.names, told.units
     if not names:
         names, beside = header(lines, above, start)
         units = beside or units
     by_name = units_by_name(names, units) if names and units else {}
-    if names and names[0] == "X_Value":
-        by_name = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
     headed = bool(names)
     if not headed:
         names = tuple(str(position) for position in range(start.fields))
@@ -153,9 +150,6 @@ def _made(
     names = unique(names)
     told = _told(lines[:at], separator, len(names))
     units: dict[str, str] = units_by_name(names, told.units) if told.units else {}
-    labels = next((line.split("\t")[1:] for line in lines[:at] if line.startswith("Y_Unit_Label\t")), [])
-    if names[0] == "X_Value":
-        units = {name: label for name, label in zip(names[1:], labels, strict=False) if label.strip()}
     after = next((i for i in range(at + 1, len(lines)) if is_data(lines[i])), None)
     if after is not None and len(fields := split(lines[after], separator)) == len(names) and are_units(fields):
         units = units_by_name(names, fields)

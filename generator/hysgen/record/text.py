@@ -1,5 +1,6 @@
 """The text of a file as that of a table: its encoding, line ends, zero bytes, and the forms of single programs.
 
+LabVIEW Measurement / ***End_of_Header***             LabVIEW (LVM): parts, each with a header of its own
 IGOR / WAVES/D time, drive / BEGIN / ... / END          Igor
 X,CH1,CH2,Start,Increment / Sequence,Volt,Volt,0,1e-3   Rigol: a counter, and the period in the second line
 Record Length,2500,,-0.001,5.1,                         Tektronix: the settings stand beside the samples
@@ -141,6 +142,33 @@ def _igor(text: str) -> str:
     return "\n".join(made)
 
 
+def _labview(text: str) -> str:
+    """The names and rows of each part, with units and period in the lines above; headers become blank lines."""
+    comma = "\nSeparator\tComma" in text[:4096] or "\nSeparator,Comma" in text[:4096]
+    empty = ("Comment", "X_Value") if re.search(r"\nX_Columns[\t,]No", text[:4096]) else ("Comment",)
+    made, head, inside = [], dict[str, list[str]](), False
+    for line in text.split("\n"):
+        cells = [cell.strip() for cell in line.split("," if comma else "\t")]
+        if not inside or not any(cells) or cells[0] == "Channels":
+            inside = line.startswith("***End_of_Header***") and "Channels" in head
+            head = {} if cells[0] == "Channels" else head
+            head[cells[0]] = cells[1:]
+            made.append("")
+        elif "Channels" in head:
+            step, unit = (next(iter(filter(None, head.get(label, []))), "") for label in ("Delta_X", "X_Dimension"))
+            known, units = unit in ("", "Time") and step, iter(head.get("Y_Unit_Label", []))
+            above = ["" if name in ("X_Value", "Comment") else f"[{next(units, '')}]" for name in cells]
+            made[-2:] = [
+                f"# Sample Interval: {step}" if known else "",
+                "\t".join(above) if any(map(str.isalpha, "".join(above))) else "",
+            ]
+            made.append("\t".join("" if name in empty else name for name in cells))
+            head = {}
+        else:
+            made.append("\t".join(cells))
+    return "\n".join(made)
+
+
 def _rigol(text: str) -> str:
     """The period as a setting above the names, and the unit behind each name."""
     first, second, rest = text.split("\n", 2)
@@ -171,6 +199,11 @@ def _tektronix(text: str) -> str:
 
 
 FORMS: tuple[tuple[Callable[[list[str]], bool], Callable[[str], str], str], ...] = (
+    (
+        lambda head: head[0].startswith("LabVIEW Measurement"),
+        _labview,
+        "is a measurement file of LabVIEW; its parts are segments",
+    ),
     (lambda head: head[0].strip() == "IGOR", _igor, "is Igor text; its first block of waves is read"),
     (
         lambda head: len(head) > 1 and {"Start", "Increment"} <= {one.strip() for one in head[0].split(",")}
