@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import keyword
 import os
 import re
 import shlex
@@ -16,7 +17,7 @@ import pytest
 
 from fixtures import exported_folders, firmware_bench
 from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, preloaded, program, settings, zlib
-from fixtures.tools import library
+from fixtures.tools import library, need
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
@@ -33,7 +34,7 @@ from hysgen.machine import kernels
 from hysgen.machine.kernel_build import build_kernels
 from hysgen.machine.native import default_toolchain, externals
 from hysgen.model.file import load_model
-from hysgen.model.names import TAKEN
+from hysgen.model.names import TAKEN, is_taken
 from hysgen_c674x.translation import compiled
 from hysgen_lab.stage import state
 from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
@@ -305,18 +306,52 @@ def functions(library: Path) -> set[str]:
     return {name for name in names if name[0] != "_" and not name.endswith(("tm_clones", "frame_dummy"))}
 
 
-def test_a_model_has_no_name_of_a_header_type_or_file_that_its_code_stands_beside() -> None:
-    model = load_model("firmware/models/appendix_a/appendix_a.json")
-    files = [path for path in firmware_folder().rglob("*.[ch]") if "models" not in path.parts]
-    text = "\n".join([*(path.read_text(encoding="utf-8") for path in files), *generate(model).values()])
-    defined = {name for pair in re.findall(r"\}\s*(\w+)_t;|typedef [^;{]*\b(\w+)_t;", text) for name in pair}
-    types = {name for name in re.findall(r"\b(?!model_)([a-z]\w*?)_t\b", text)} - defined
-    headers = set(re.findall(r"#include <(\w+)\.h>", text))
-    assert "stdint" in headers
-    assert "uint32" in types
-    assert headers | types | {path.stem for path in files if path.parent.name == "controller"} <= TAKEN
+def test_a_name_that_is_taken_is_refused() -> None:
+    model = load_model("appendix_a")
     for name in (*TAKEN, "Upper", "with-dash"):
         with pytest.raises(ModelError, match=r"^name: "):
             dataclasses.replace(model, name=name)
     with pytest.raises(FitError, match=r"^name: float "):
         FitSettings(name="float")
+
+
+HEADERS = """
+aio arpa/inet assert complex cpio ctype dirent dlfcn errno fcntl fenv float fmtmsg fnmatch ftw glob grp iconv inttypes
+langinfo libgen limits locale math monetary mqueue net/if netdb netinet/in nl_types poll pthread pwd regex sched
+search semaphore setjmp signal spawn stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib string strings
+sys/ipc sys/mman sys/msg sys/resource sys/select sys/sem sys/shm sys/socket sys/stat sys/statvfs sys/time sys/times
+sys/types sys/uio sys/un sys/utsname sys/wait syslog tar termios time uchar unistd utime utmpx wchar wctype wordexp
+"""
+"""Headers of C and POSIX that C++ can read, too."""
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_every_accepted_name_compiles_beside_the_others_the_controller_and_the_system(
+    language: str, tmp_path: Path
+) -> None:
+    """All names at which the system has a type or a header, keywords and plain words; one run of the compiler."""
+    need(*(["g++"] if language == "c++" else []))
+
+    def ran(*flags: str, text: str = "") -> subprocess.CompletedProcess[str]:
+        call = [*(default_toolchain().call if language == "c" else ["g++"]), "-w", f"-x{language}", *flags]
+        return subprocess.run(call, cwd=tmp_path, input=text, capture_output=True, text=True, check=False)
+
+    system = "".join(f"#include <{header}.h>\n" for header in HEADERS.split() if language == "c" or header != "complex")
+    seen = ran("-E", "-dD", "-", text=system).stdout
+    texts = c_files(generate(dataclasses.replace(load_model("appendix_a"), name="placeholder")))
+    parts = "|".join(sorted(set(re.findall(r"\bplaceholder_(\w+)", "".join(texts.values())))))
+    controller = read_sources(CONTROLLER, "*.h")
+    words = {*TAKEN, *keyword.kwlist, *(Path(file).stem for file, _ in controller)}
+    for shown in (rf"\b([a-z]\w*?)_(?:{parts})\b", r"/(\w+)\.h", r"#define ([a-z]\w*) ", r"\b[a-z][a-z0-9]{2,3}\b"):
+        words |= set(re.findall(shown, seen))
+    accepted = [word for word in sorted(words) if re.fullmatch(r"[a-z]\w*", word) and not is_taken(word)]
+    assert len(accepted) > 250
+    for name in accepted:
+        for file in ("placeholder.h", "placeholder_params.h", "placeholder_selftest.h"):
+            own = texts[file].replace("placeholder", name).replace("PLACEHOLDER", name.upper())
+            (tmp_path / file.replace("placeholder", name)).write_text(own)
+    for file, text in (*controller, *firmware_model(firmware_bench.model()).items()):
+        (tmp_path / Path(file).name).write_text(text)
+    user = "".join(f'#include "{name}.h"\n#include "{name}_selftest.h"\n' for name in accepted)
+    user += "".join(f"int use_{name}(void) {{ {name}_t {name}; return (int)sizeof {name}; }}\n" for name in accepted)
+    assert not ran("-I.", "-fsyntax-only", "-", text=f'#include "controller.h"\n{system}{user}').stderr

@@ -25,7 +25,7 @@ from hysgen.model import simulate
 from hysgen.model.disturbances import Term
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.names import TAKEN
+from hysgen.model.names import is_taken
 from hysgen.model.path import InputBlock, check_chain, path_range
 
 Floats = NDArray[np.float64]
@@ -138,7 +138,7 @@ class Model(Displayed):
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or not self.name.isascii() or self.name != self.name.lower():
             raise ModelError(f"name: {self.name!r} cannot prefix C functions; use lower-case letters, digits and _")
-        if self.name in TAKEN:
+        if is_taken(self.name):
             raise ModelError(
                 f"name: {self.name!r} is a word, header or type of C or a file of hysgen's; choose another"
             )

@@ -5,35 +5,58 @@ from __future__ import annotations
 from typing import Final
 
 _WORDS: Final = """
-alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl complex concept const
-consteval constexpr constinit continue decltype default delete do double else enum explicit export extern false float
-for friend goto if imaginary inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq private
-protected public register restrict return short signed sizeof static struct switch template this throw true try typedef
-typeid typename union unsigned using virtual void volatile while xor xor_eq
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t char8_t class co_await
+co_return co_yield compl complex concept const const_cast consteval constexpr constinit continue d_fileno decltype
+default delete do double dynamic_cast else enum errno explicit export extern false float for friend goto h_addr
+h_errno if imaginary inline int linux long math_errhandling msg_cbytes mutable namespace new noexcept noreturn not
+not_eq nullptr operator or or_eq private protected public register reinterpret_cast requires restrict return
+sched_priority short signed sizeof st_atime st_ctime st_mtime static static_assert static_cast stderr stdin stdout
+struct switch template this thread_local throw true try typedef typeid typename typeof typeof_unqual union unix
+unsigned using virtual void volatile wchar_t while xor xor_eq
 """
-"""Keywords of C and C++."""
+"""Keywords of C and C++, and macros that stand for a variable: a program calls its model by its name."""
 
 _HEADERS: Final = """
-aio assert c6x cpio ctype dirent dlfcn errno fcntl fenv fmtmsg fnmatch ftw glob grp iconv inttypes iso646 langinfo
-libgen limits locale math monetary mqueue ndbm netdb nl_types poll pthread pwd regex sched search semaphore setjmp
-signal spawn stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string strings stropts syslog tar
-termios tgmath threads time trace uchar ulimit unistd utime utmpx wchar wctype wordexp
+aio alloca assert byteswap c6x cpio ctype dirent dlfcn endian errno fcntl features fenv fmtmsg fnmatch ftw glob grp
+iconv inttypes iso646 langinfo libgen limits locale math memory monetary mqueue ndbm netdb newlib nl_types paths poll
+pthread pwd reent regex sched search semaphore setjmp signal spawn stdalign stdarg stdatomic stdbit stdbool stdckdint
+stddef stdint stdio stdlib stdnoreturn string strings stropts syslimits syslog tar termios tgmath threads time trace
+uchar ulimit unistd utime utmpx wchar wctype wordexp
 """
-"""Standard headers of C and POSIX: with -I., `#include <float.h>` would find the model's."""
+"""Standard headers of C and POSIX, and those that they include: with -I., <float.h> would be the model's."""
 
 _TYPES: Final = """
-blkcnt blksize clock clockid cnd dev div fpos fsblkcnt fsfilcnt gid id imaxdiv ino key ldiv lldiv mbstate mode mtx nlink
-off pid ptrdiff size ssize suseconds thrd timer tss uid useconds wctrans wint caddr daddr fsid loff quad u_quad
-int8 int16 int32 int64 uint8 uint16 uint32 uint64 intmax uintmax intptr uintptr int_fast8 int_fast16 int_fast32
-int_fast64 int_least8 int_least16 int_least32 int_least64 uint_fast8 uint_fast16 uint_fast32 uint_fast64 uint_least8
-uint_least16 uint_least32 uint_least64 char8 char16 char32 max_align
+active_reg blkcnt blksize caddr cc char16 char32 char8 clock clockid cnd comparison_fn cpu_set daddr dev div error
+femode fexcept fpos fpregset fsblkcnt fsfilcnt fsid gid greg gregset id idtype imaxdiv in_addr in_port ino int16 int32
+int64 int8 intmax intptr key ldiv lldiv loff max_align mbstate mcontext mode mqd msglen msgqnum mtx nfds nlink off
+once_flag pid ptrdiff quad re_dfa regmatch regoff rlim s_reg sem shmatt sig sigaction sigevent sighandler siginfo
+sigset sigval size socklen speed ssize stack suseconds tcflag thrd timer tss u_int16 u_int32 u_int64 u_int8 u_quad
+ucontext uid uint16 uint32 uint64 uint8 uintmax uintptr useconds wctrans wint
 """
-"""Types NAME_t of C, C++ and POSIX."""
+"""Types NAME_t of C, C++, POSIX and glibc."""
+
+_FAMILIES: Final = """
+atomic cookie_ hysgen ifa_ ifc_ ifr_ inet6 int_fast int_least lc_ posix pthread reg_ s6_ sa_ si_ sig_ sigev_ uint_fast
+uint_least
+"""
+"""Beginnings of further types, functions, macros and files."""
+
+_ENDINGS: Final = ("_bank", "_c674x", "_component", "_fmu", "_learner", "_params", "_selftest", "_selftest_data")
+"""Endings of types and files of another model: of `stage` beside `stage_bank`."""
 
 _OURS: Final = """
-bank board bytes controller crc32 firmware frame hysgen image link main model number play settings siphash status store
-trim watchdog
+bank board board_ring bytes controller controller_state crc32 firmware frame image image_bench image_owner link main
+model number play settings siphash status store trim watchdog watchdog_count
 """
 """Files of the controller and of generated folders."""
 
 TAKEN: Final = frozenset(f"{_WORDS} {_HEADERS} {_TYPES} {_OURS}".split())
+
+
+def is_taken(name: str) -> bool:
+    """Whether generated C of this name would collide with C, C++, POSIX, hysgen's own files or another model's."""
+    return (
+        not TAKEN.isdisjoint({name, name.removesuffix("64")})
+        or name.startswith(tuple(_FAMILIES.split()))
+        or name.endswith(_ENDINGS)
+    )
