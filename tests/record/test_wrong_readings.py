@@ -17,7 +17,7 @@ from hysgen.display import Quantities
 from hysgen.record import Record, Segment
 from hysgen.record.bundled import demo_record
 from hysgen.record.read import record_csv
-from hysgen.record.wrong_readings import are_frequent, wrong_readings
+from hysgen.record.wrong_readings import wrong_readings
 
 N, CUT = 1500, 1000
 K = np.arange(N)
@@ -58,12 +58,6 @@ def test_a_dropout_inside_the_range_and_two_side_by_side_are_found() -> None:
     y_um = Y_UM.copy()
     y_um[[411, 902, 903]] = 0.0
     assert [one.row for one in wrong_readings(Segment("0", U_V, y_um))] == [411, 902, 903]
-
-
-def test_many_rows_that_stand_alone_are_the_character_of_a_signal() -> None:
-    y_um = Y_UM.copy()
-    y_um[7::60] += 2.0
-    assert wrong_readings(Segment("0", U_V, y_um)) == []
 
 
 MOTIONS = {
@@ -108,8 +102,9 @@ def test_a_jump_is_no_wrong_reading(size_um: float) -> None:
         assert wrong_readings(Segment("0", U_V, y_um + size_um * (K > 700))) == []
 
 
-def test_coarse_readings_switching_and_the_bundled_record_have_no_wrong_readings() -> None:
-    for y_um in (np.rint(Y_UM / 0.4) * 0.4, Y_UM + 1.0 * (K // 37 % 2)):
+def test_coarse_readings_switching_many_rows_and_the_bundled_record_have_no_wrong_readings() -> None:
+    """Many rows that stand alone are the character of a signal."""
+    for y_um in (np.rint(Y_UM / 0.4) * 0.4, Y_UM + 1.0 * (K // 37 % 2), Y_UM + 2.0 * (K % 60 == 7)):
         assert wrong_readings(Segment("0", U_V, y_um)) == []
     assert (record := demo_record()).without_wrong_readings() is record
 
@@ -126,9 +121,14 @@ def test_rows_of_later_segments_and_of_parts_count_from_the_start_of_the_record(
     assert "the angle is 20 mrad" in Record.from_segments(other, 1e-3).without_wrong_readings().warnings[0]
 
 
-@pytest.mark.parametrize(("rows", "gate"), [((100, 101), False), ((100, 900), True)])
-def test_the_cause_outliers_gates_the_firmware_only_if_they_are_frequent(rows: tuple[int, ...], gate: bool) -> None:
-    corrupted = np.isin(np.arange(1000), rows)
+@pytest.mark.parametrize(
+    ("rows", "samples", "gate"),
+    [((100, 101, 102), 1000, False), ((100, 900), 1000, True), ((199, 201), 1000, False), ((100, 9000), 10_000, False)],
+)
+def test_the_cause_outliers_gates_the_firmware_above_one_in_a_thousand_and_in_tenths_that_do_not_touch(
+    rows: tuple[int, ...], samples: int, gate: bool
+) -> None:
+    corrupted = np.isin(np.arange(samples), rows)
     extension = CAUSE.extension(SimpleNamespace(corrupted=corrupted))  # type: ignore[arg-type]
     assert extension.gate is gate
     assert extension.trust is not None
@@ -163,14 +163,6 @@ def test_a_wrong_reading_in_the_scored_rows_or_their_past_changes_no_score(clean
             rms_um = hysgen.score(model, part).free_run.e_rms_um
         assert rms_um < 1.02 * clean_rms_um[True]
         assert any(f"row {row}: " in str(one.message) for one in said) == (row >= CUT)
-
-
-def test_wrong_readings_are_frequent_above_one_in_a_thousand_and_in_tenths_that_do_not_touch() -> None:
-    assert are_frequent([100, 900], 1000)
-    assert not are_frequent([100], 1000)
-    assert not are_frequent([100, 101, 102], 1000)
-    assert not are_frequent([199, 201], 1000)
-    assert not are_frequent([100, 9000], 10_000)
 
 
 def test_a_diagnosis_leaves_rare_ones_out_and_keeps_frequent_ones() -> None:
