@@ -165,13 +165,14 @@ def test_a_model_that_does_harm_has_no_c_of_any_kind_without_force(
         *(f"export m.json --to {t} -o e" for t in exports()),
     ]
     if "warnings" in stored:
-        calls += ["image m.json -o i", "waveform m.json sine -o u.csv", "loop m.json"]
+        calls += ["image m.json -o i --key k", "waveform m.json sine -o u.csv", "loop m.json"]
     for call in calls:
         assert main(call.split()) == 2, call
         assert re.search(r"half the noise|next to nothing", capsys.readouterr().err), call
     assert [path.name for path in tmp_path.iterdir()] == ["m.json"]
+    Path("k").write_text(32 * "5")
     assert hysgen.generate(harmful, force=True).texts
-    assert main(["image", "m.json", "-o", "i", "--force"]) == 0
+    assert main(["image", "m.json", "-o", "i", "--key", "k", "--force"]) == 0
 
 
 def test_code_over_budget_is_refused_with_the_numbers() -> None:
