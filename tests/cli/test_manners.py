@@ -1,4 +1,4 @@
-"""Help, project file, stdin, rows in seconds, width of the terminal, quiet and verbose."""
+"""Help, completion, project file, stdin, rows in seconds, width of the terminal, quiet and verbose."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from hysgen.cli import main
 from hysgen.cli.console import Console, ProgressLine, folded
+from hysgen.cli.main import options_of, parser, script
 from hysgen.cli.verbs import NAMES
 from hysgen.display import table
 from hysgen.errors import RecordError
@@ -72,6 +73,16 @@ def test_a_record_comes_from_stdin() -> None:
     done = subprocess.run(call, input=HEAD, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "1000 samples at 50 kHz" in done.stdout
+
+
+def test_completion_knows_every_verb_and_option() -> None:
+    options = options_of(parser())
+    assert tuple(options) == NAMES
+    for shell in ("bash", "zsh", "fish"):
+        text = script(shell, options)
+        assert all(name in text for name in NAMES)
+    bash = subprocess.run(["bash", "-n"], input=script("bash", options), capture_output=True, text=True, check=False)
+    assert bash.returncode == 0, bash.stderr
 
 
 def test_options_out_of_range_are_said_before_the_computation(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,7 +17,7 @@ import tempfile
 import textwrap
 import tomllib
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -44,7 +44,7 @@ LEAST_BESIDE = 24
 """Columns that the meaning of a command needs beside it; in fewer it stands below."""
 
 _BELOW = """\
-`hysgen VERB --help` has options and examples.
+`hysgen VERB --help` has options and examples; `hysgen completion bash` completes them.
 hysgen.toml in the working folder holds options for every call ([record] columns = "...").
 Exit codes: 0 done, 1 done with a negative answer, 2 not done, 3 a fault of hysgen itself.
 HYSGEN_CACHE names the folder of compiled kernels (default: hysgen in the user's cache folder).
@@ -174,6 +174,11 @@ def _run(words: list[str], program: Program) -> int:
     if words in (["--version"], ["-V"]):
         print(f"hysgen {version()}", flush=True)
         return 0
+    if words[0] == "completion" and program is HYSGEN:
+        if len(words) != 2 or words[1] not in SHELLS:
+            raise HysgenError(f"completion: name a shell out of {', '.join(SHELLS)}")
+        print(script(words[1], options_of(parser())), end="", flush=True)
+        return 0
     known = program.names
     names = [words[0]] if words[0] in known else known
     if names is known and not words[0].startswith("-"):
@@ -234,6 +239,49 @@ def _fails(command: str, text: str) -> int:
 def _nowhere() -> TextIO:
     """What takes the place of a standard stream that a scheduler has closed."""
     return os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")
+
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def script(shell: str, options: Mapping[str, Sequence[str]]) -> str:
+    """The text for a shell's start-up file. options: the options of each verb."""
+    if shell == "fish":
+        verbs = " ".join(options)
+        lines = [f"complete -c hysgen -n __fish_use_subcommand -f -a '{verbs}'"]
+        lines += [
+            f"complete -c hysgen -n '__fish_seen_subcommand_from {verb}' -l {option.removeprefix('--')}"
+            for verb, names in options.items()
+            for option in names
+            if option.startswith("--")
+        ]
+        return "\n".join(lines) + "\n"
+    cases = "\n".join(f"        {verb}) words='{' '.join(names)}' ;;" for verb, names in options.items())
+    head = "autoload -U +X bashcompinit && bashcompinit\n" if shell == "zsh" else ""
+    return f"""{head}_hysgen() {{
+    local word="${{COMP_WORDS[COMP_CWORD]}}" words
+    case "${{COMP_WORDS[1]}}" in
+{cases}
+    esac
+    if [ "$COMP_CWORD" -eq 1 ]; then
+        COMPREPLY=($(compgen -W '{" ".join(options)}' -- "$word"))
+    elif [ "${{word#-}}" != "$word" ]; then
+        COMPREPLY=($(compgen -W "$words" -- "$word"))
+    else
+        COMPREPLY=($(compgen -f -- "$word"))
+    fi
+}}
+complete -o filenames -F _hysgen hysgen
+"""
+
+
+def options_of(parser: argparse.ArgumentParser) -> dict[str, list[str]]:
+    """The options of each verb of the whole parser."""
+    verbs = next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    return {
+        name: [option for action in sub._actions for option in action.option_strings]
+        for name, sub in verbs.choices.items()
+    }
 
 
 NAME = "hysgen.toml"
