@@ -141,7 +141,7 @@ def test_diagnosis_shows_its_ladder_and_draws_what_is_asked_for() -> None:
     assert "no cause" in repr(study)
     assert "noise floor" in str(study)
     assert study.plot("time")._repr_png_() == study.plot("time")._repr_png_()
-    with pytest.raises(hysgen.HysgenError, match="there is no such picture; choose one of record, record-loops"):
+    with pytest.raises(hysgen.HysgenError, match="there is no such picture; choose one of record, free-run"):
         study.plot("moon")
     assert np.isfinite(study.model.parameters).all()
 

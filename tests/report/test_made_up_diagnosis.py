@@ -420,7 +420,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
         "spectrum",
     ]
     assert len(where.pictures) == 10
-    assert [one.name for one in by_title["The record"].pictures] == ["record", "record-loops", "record-spectrum"]
+    assert [one.name for one in by_title["The record"].pictures] == ["record"]
     facts = dict(cells(by_title["Provenance"]))
     assert (facts["command"], facts["record"]) == ("hysgen diagnose a.csv", "a.csv")
     assert (facts["identified on"], facts["scored on"]) == ("rows 0 to 359", "rows 360 to 599")

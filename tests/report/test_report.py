@@ -53,7 +53,7 @@ SECTIONS = (
     "Glossary",
     "Provenance",
 )
-PICTURES = 22
+PICTURES = 20
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 

@@ -126,7 +126,7 @@ def _record(drawn: dict[str, Picture], study: Study) -> PageSection:
     return PageSection(
         "The record",
         text=[f"{study.record.one_line()}."],
-        pictures=[drawn[name] for name in ("record", "record-loops", "record-spectrum")],
+        pictures=[drawn["record"]],
         notes=[f"Warning: {line}." for line in study.record.warnings],
     )
 

@@ -19,7 +19,7 @@ from hysgen.report.plots.traces import (
     free_run_pictures,
     horizon,
     loop_pictures,
-    record_pictures,
+    record_picture,
     response_pictures,
     time_label,
     time_picture,
@@ -84,7 +84,7 @@ def pictures(study: Study) -> list[Picture]:
     shown = [(BASE_MODEL, study.before), *([(EXTENDED_MODEL, study.after)] if study.improved else [])]
     runs = held_out_runs(study)
     return [
-        *record_pictures(study),
+        record_picture(study),
         *free_run_pictures(runs),
         *loop_pictures(runs),
         *response_pictures(runs),

@@ -1,4 +1,4 @@
-"""Measured and simulated displacement: in time, as error, as loops, as spectra; frequency response, correlations.
+"""Measured and simulated displacement: in time, as error, as loops; frequency response, correlations.
 
 Frequency response by Welch's method, H1 = S_uy / S_uu, of the measured and of the simulated displacement under the same
 voltage; shown where the measured coherence exceeds LEAST_COHERENCE. Error: simulated - measured.
@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
+from scipy.signal import csd
 
 from hysgen.diagnosis.evaluation import Study
 from hysgen.model.simulate import HorizonCurve
@@ -108,11 +109,6 @@ WINDOWS = 12
 """Windows of a spectrum, which overlap by half."""
 
 
-def record_pictures(study: Study) -> list[Picture]:
-    """The record in time, its loops, its spectra."""
-    return [record_picture(study), loops_picture(study), spectra_picture(study)]
-
-
 def record_picture(study: Study) -> Picture:
     """Voltage and displacement of the whole record, and where it was cut."""
     record = study.record
@@ -131,67 +127,19 @@ def record_picture(study: Study) -> Picture:
     return Picture("record", "Voltage and displacement", alt, fig, wide=True)
 
 
-def loops_picture(study: Study) -> Picture:
-    """Displacement over voltage of the whole record: whether the held-out rows lie inside the identified range."""
-    record, cut = study.record, study.cut
-    fig, axis = style.axes("voltage [V]", "displacement [µm]")
-    for rows, colour, label in (
-        (slice(0, cut), "#aaaaaa", "identified"),
-        (slice(cut, None), style.MEASURED, "held out"),
-    ):
-        u_V, y_um = record.u_V[rows], record.y_um[rows]
-        stride = max(1, -(-u_V.size // LOOP_POINTS))
-        axis.plot(u_V[::stride], y_um[::stride], color=colour, linewidth=style.THIN, label=label)
-    style.legend_above(axis)
-    ranges = "; ".join(
-        f"{name} {values.min():.4g} to {values.max():.4g} {unit}"
-        for name, values, unit in (
-            ("voltage held out", record.u_V[cut:], "V"),
-            ("displacement held out", record.y_um[cut:], "µm"),
-        )
-    )
-    return Picture("record-loops", "Loops", f"Displacement over voltage: {ranges}.", fig)
-
-
-def spectra_picture(study: Study) -> Picture:
-    """Amplitude density of voltage and displacement by frequency."""
-    fig, axis = style.axes("frequency [Hz]", "amplitude density / its maximum")
-    longest = max(study.record.segments, key=lambda segment: segment.samples)
-    tops = []
-    for name, values, colour in (
-        ("voltage", longest.u_V, style.BASELINE),
-        ("displacement", longest.y_um, style.MEASURED),
-    ):
-        f_Hz, (power,) = spectra(study.record.Ts_s, values)
-        density = np.sqrt(power[1:] / power[1:].max())
-        axis.loglog(f_Hz[1:], density, color=colour, linewidth=style.THIN, label=name)
-        tops.append(f"{name} largest at {f_Hz[1:][int(np.argmax(power[1:]))]:.3g} Hz")
-    axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
-    style.legend_above(axis)
-    return Picture("record-spectrum", "Spectra", f"Amplitude density: {'; '.join(tops)}.", fig)
-
-
 def time_label(study: Study) -> str:
     """Label of the axis of time over the whole record."""
     return "time [s]" if len(study.record.segments) == 1 else "time [s], segments end to end"
 
 
-def spectra(Ts_s: float, *series: Floats) -> tuple[Floats, tuple[Floats, ...]]:
-    """Frequencies, and by Welch's method S_xx of one series, or S_xx, S_yy and S_xy of two."""
-    n = series[0].size
-    length = max(32, 2 * n // (WINDOWS + 1))
-    window = np.hanning(min(length, n))
-    starts = range(0, n - window.size + 1, max(1, window.size // 2))
-    parts = [
-        np.fft.rfft(
-            np.stack([(values[a : a + window.size] - values[a : a + window.size].mean()) * window for a in starts])
-        )
-        for values in series
-    ]
-    powers = [np.mean(np.abs(part) ** 2, axis=0) for part in parts]
-    if len(parts) == 2:
-        powers.append(np.mean(np.conj(parts[0]) * parts[1], axis=0))
-    return np.asarray(np.fft.rfftfreq(window.size, Ts_s), dtype=np.float64), tuple(powers)
+def spectra(Ts_s: float, u_V: Floats, y_um: Floats) -> tuple[Floats, tuple[Floats, Floats, NDArray[np.complex128]]]:
+    """Frequencies in Hz, and by Welch's method S_uu, S_yy and S_uy of two series, (n,) each."""
+    window = np.hanning(min(max(32, 2 * u_V.size // (WINDOWS + 1)), u_V.size))
+    (f_Hz, uu), (_, yy), (_, uy) = (
+        csd(first, second, 1.0 / Ts_s, window, noverlap=window.size - window.size // 2)
+        for first, second in ((u_V, u_V), (y_um, y_um), (u_V, y_um))
+    )
+    return f_Hz, (uu.real, yy.real, uy)
 
 
 ZOOM = 0.06
