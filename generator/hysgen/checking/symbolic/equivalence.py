@@ -20,11 +20,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.checking.symbolic.arrays import COMPUTED, Words
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.from_c import Decision
 from hysgen.checking.symbolic.solver import Solver, rebuilt, variables
 from hysgen.checking.symbolic.source import KernelRefusalError
-from hysgen.checking.symbolic.vectors import COMPUTED, Words
 
 SAMPLES: Final = 512
 """Drawn inputs: operations that differ in one of them are not handed to the solver."""

@@ -15,11 +15,11 @@ import itertools
 from collections.abc import Sequence
 from typing import Any, Final
 
+from hysgen.checking.symbolic.arrays import COMPUTED
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.semantics import MASK, from_image
 from hysgen.checking.symbolic.source import KernelRefusalError
-from hysgen.checking.symbolic.vectors import COMPUTED
 
 MOST_OPERANDS: Final = 64
 _ANY_ORDER: Final = frozenset(["add", "and", "or", "xor"])

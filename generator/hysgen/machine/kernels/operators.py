@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import call
+from hysgen.machine.kernels import call
 
 Floats = NDArray[np.float64]
 

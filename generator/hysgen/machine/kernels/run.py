@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.compiled import call
+from hysgen.machine.kernels import call
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
