@@ -38,10 +38,6 @@ class Rival(Protocol):
         """The free run over every segment, (n,) each."""
         ...
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values: parameters, with units in their names."""
-        ...
-
 
 @dataclass(frozen=True)
 class PrandtlIshlinskii:
@@ -62,13 +58,6 @@ class PrandtlIshlinskii:
             for segment in record.segments
         ]
 
-    def to_json(self) -> dict[str, Any]:
-        return {
-            "thresholds_V": self.thresholds_V.tolist(),
-            "weights_um_per_V": self.weights_um_per_V.tolist(),
-            "offset_um": self.offset_um,
-        }
-
 
 @dataclass(frozen=True)
 class Proportional:
@@ -87,9 +76,6 @@ class Proportional:
     def inverse(self, y_um: Floats) -> Floats:
         """u = K (y - c) in V for a wanted displacement, (n,)."""
         return self.K_V_per_um * (y_um - self.offset_um)
-
-    def to_json(self) -> dict[str, Any]:
-        return {"K_V_per_um": self.K_V_per_um, "offset_um": self.offset_um}
 
 
 @dataclass(frozen=True)
@@ -124,14 +110,6 @@ class Arx:
             run, _ = lfilter([1.0], denominator, drive, zi=state)
             runs.append(np.concatenate([segment.y_um[:first], run]))
         return [run[past:] for run, past in zip(runs, record.past_samples, strict=True)]
-
-    def to_json(self) -> dict[str, Any]:
-        return {
-            "a": self.a.tolist(),
-            "b_um_per_V": self.b_um_per_V.tolist(),
-            "offset_um": self.offset_um,
-            "delay": self.delay,
-        }
 
 
 def fit_prandtl_ishlinskii(record: Record, plays: int = PAPER_PLAYS) -> PrandtlIshlinskii:

@@ -134,9 +134,9 @@ def time_label(study: Study) -> str:
 
 def spectra(Ts_s: float, u_V: Floats, y_um: Floats) -> tuple[Floats, tuple[Floats, Floats, NDArray[np.complex128]]]:
     """Frequencies in Hz, and by Welch's method S_uu, S_yy and S_uy of two series, (n,) each."""
-    window = np.hanning(min(max(32, 2 * u_V.size // (WINDOWS + 1)), u_V.size))
+    length = min(max(32, 2 * u_V.size // (WINDOWS + 1)), u_V.size)
     (f_Hz, uu), (_, yy), (_, uy) = (
-        csd(first, second, 1.0 / Ts_s, window, noverlap=window.size - window.size // 2)
+        csd(first, second, 1.0 / Ts_s, "hann", length, length - length // 2)
         for first, second in ((u_V, u_V), (y_um, y_um), (u_V, y_um))
     )
     return f_Hz, (uu.real, yy.real, uy)
