@@ -103,14 +103,22 @@ CHANGES = [
 ]
 
 
+def is_statement(line: str) -> bool:
+    return line.startswith("    ") and "for (" not in line and "*/" not in line
+
+
 def mutants(text: str, count: int) -> list[tuple[str, str]]:
-    """(line, text with this line changed) of `count` statements, spread evenly over the text."""
-    lines = text.splitlines()
+    """(line, text with this line changed) of `count` statements, spread evenly over the functions that are proved.
+
+    Those of the auxiliary channels are not: no call of the proof reaches `aux`.
+    """
+    lines, function = text.splitlines(), ""
     changed: list[tuple[str, str]] = []
     for number, line in enumerate(lines):
+        function = line if re.match(r"\w.*\(", line) else function
         pattern, new = CHANGES[number % len(CHANGES)]
         mutant = re.sub(pattern, new, line, count=1)
-        if line.startswith("    ") and "for (" not in line and "*/" not in line and mutant != line:
+        if re.search(r"_(channel|listen|aux)\(", function) is None and is_statement(line) and mutant != line:
             changed.append((mutant.strip(), "\n".join([*lines[:number], mutant, *lines[number + 1 :]])))
     return changed[:: max(1, len(changed) // count)]
 
