@@ -77,7 +77,7 @@ def test_refit_changes_the_numbers_and_verifies_the_c(folder: Path, tmp_path: Pa
     assert main(["generate", f"{folder}/axis.json", "-o", f"{tmp_path}/c", "--check"]) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_refit_keeps_every_option_with_which_the_folder_was_generated(folder: Path, tmp_path: Path) -> None:
     """Learner, ranges, processor, measured cycles, kernels in both syntaxes: `generate --check` finds no difference."""
     chosen = ["--learn", "bias", "--clock", "3e8", "--budget", "20000", "--cycles", "predict=300,simulate=290"]

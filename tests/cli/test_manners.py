@@ -68,6 +68,7 @@ def test_a_fault_in_the_project_file_is_one_line(
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_a_record_comes_from_stdin() -> None:
     call = [sys.executable, "-m", "hysgen", "inspect", "-", "--rows", "0s:20ms"]
     done = subprocess.run(call, input=HEAD, capture_output=True, text=True, check=False)

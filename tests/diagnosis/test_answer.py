@@ -22,6 +22,9 @@ from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import compare
 from hysgen.record import Record
 
+pytestmark = pytest.mark.slow
+"""Every answer needs a diagnosis."""
+
 
 @pytest.fixture(scope="module")
 def hum(once_per_run: Callable[[str, Callable[[], Any]], Any]) -> tuple[Record, Diagnosis]:
@@ -77,7 +80,6 @@ def test_a_certificate_that_the_extended_model_lacks_is_reported(hum: tuple[Reco
     assert "not certified in the extended model: inverse" in str(evaluate(lacking, record, None, 0.65))
 
 
-@pytest.mark.slow
 def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]) -> None:
     record, found = hum
     segment = record.segments[0]
@@ -90,7 +92,6 @@ def test_held_out_displacement_changes_scores_only(hum: tuple[Record, Diagnosis]
     assert other.extended_rms_um > 2 * found.extended_rms_um
 
 
-@pytest.mark.slow
 def test_the_command_holds_rows_out_of_one_record(tmp_path: Path) -> None:
     """What the identified rows leave in the stage goes on in those held out: --rows cuts no record in two."""
     record = record_of("none", 2)
@@ -105,7 +106,6 @@ def test_the_command_holds_rows_out_of_one_record(tmp_path: Path) -> None:
     assert extended_um == pytest.approx(found.extended_rms_um, rel=1e-6)
 
 
-@pytest.mark.slow
 def test_separate_holdout_is_scored_and_not_fitted() -> None:
     record = record_of("memory", 3)
     whole, late = record.split(0.65)
@@ -114,7 +114,6 @@ def test_separate_holdout_is_scored_and_not_fitted() -> None:
     assert found.held_rows.min() >= whole.samples
 
 
-@pytest.mark.slow
 def test_a_stage_without_a_planted_cause_is_diagnosed_with_none_and_settings_reach_the_models() -> None:
     record = record_of("none", 2)
     found = diagnose(record, settings=dataclasses.replace(QUICK, fit=FitSettings(rules=3, certified=False)))
@@ -123,7 +122,6 @@ def test_a_stage_without_a_planted_cause_is_diagnosed_with_none_and_settings_rea
     assert "no cause" in repr(evaluate(found, record, None, 0.65))
 
 
-@pytest.mark.slow
 def test_a_knock_is_told_with_time_and_size_and_spoils_no_model() -> None:
     """The fall is compared with that of the same record without the knock."""
     record = record_of("memory", 3)
@@ -141,7 +139,6 @@ def test_a_knock_is_told_with_time_and_size_and_spoils_no_model() -> None:
     assert found.extended_rms_um < 1.2 * sound.extended_rms_um
 
 
-@pytest.mark.slow
 def test_stick_slip_is_unknown_and_described() -> None:
     naming = name_causes(record_of("unknown", 0))
     assert naming.names[-1] == "unknown"
@@ -149,7 +146,6 @@ def test_stick_slip_is_unknown_and_described() -> None:
     assert "left" in naming.unknown
 
 
-@pytest.mark.slow
 def test_poor_excitation_is_answered_with_the_next_experiment() -> None:
     naming = name_causes(record_of("poor", 0))
     assert naming.next_experiment.startswith("drive with")

@@ -80,6 +80,7 @@ def until(
     raise AssertionError(told)
 
 
+@pytest.mark.slow
 def test_the_verb_drives_firmware_over_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     library("serial")
     firmware = owned()

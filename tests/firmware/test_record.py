@@ -182,7 +182,7 @@ def errors_nm(chosen: str | Path) -> float:
     return float(1e3 * np.sqrt(np.mean((log.reading_um[ahead:] - references_um[:-ahead])[1000:] ** 2)))
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_from_board_to_record_to_diagnosis_to_image_to_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The stage is the laboratory's, not a model; the firmware that takes the record drives another one."""
     monkeypatch.chdir(tmp_path)
