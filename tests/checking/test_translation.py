@@ -45,7 +45,7 @@ def proved(result: Translation) -> dict[str, bool]:
     return {proof.function: proof.holds for proof in result.functions}
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
     folder = shipped(name)

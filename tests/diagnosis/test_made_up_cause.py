@@ -58,7 +58,7 @@ print("found, extended and equal in every bit")
 """
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_a_new_cause_requires_four_files(tmp_path: Path) -> None:
     files = {path: text for path, _, text in TARGET.findall((ROOT / "docs" / "extend.md").read_text())}
     assert list(files) == [

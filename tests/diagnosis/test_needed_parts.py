@@ -54,7 +54,7 @@ def names(u_V: Floats, y: Floats, rng: np.random.Generator) -> set[str]:
     return set(name_causes(Record.from_arrays(u_V, y_um, 5e-4)).names)
 
 
-@pytest.mark.slow
+@pytest.mark.proof
 def test_a_drift_is_named_beside_creep_of_a_stage_that_rested() -> None:
     """Every move goes on by 2 % of itself per decade: the sum over the moves of log10(1 + age / 10 rows).
 

@@ -29,7 +29,7 @@ def record(stage: Stage, seed: int, samples: int) -> Record:
 STILL = Stage(lag_s=2e-5, memory=None)
 
 
-@pytest.mark.proof
+@pytest.mark.slow
 def test_memory_in_the_loop_of_a_mode_is_named_extended_and_priced() -> None:
     """Iwan's elements in the plant, Duhem states in the model."""
     stage = STILL.with_effects(softening=SofteningEffect(F_HZ, 0.02, yielding=0.5, yield_V=8.0))

@@ -23,7 +23,7 @@ SCRIPT.loader.exec_module(loops)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("modes", [1, 3])
+@pytest.mark.parametrize("modes", [2, *(pytest.param(modes, marks=pytest.mark.proof) for modes in (1, 3))])
 def test_a_thousand_chains_settle_with_six_tenths_of_their_first_mode(modes: int) -> None:
     model = loops.model_of(modes)
     loop = hysgen.design_loop(model)
