@@ -15,8 +15,6 @@ from hysgen.report.page import PageSection, PageTable
 from hysgen.report.plots.style import plain_number
 from hysgen.report.plots.traces import (
     Simulated,
-    correlation,
-    correlation_pictures,
     envelope,
     fit_percent,
     free_run_pictures,
@@ -122,24 +120,6 @@ def test_gain_and_phase_are_those_of_the_stage_where_it_is_coherent() -> None:
     assert "a 0 to 0 degrees" in phase.alt or "a -0 to" in phase.alt
     noise = np.random.default_rng(9).standard_normal(1000)
     assert response_pictures(Simulated(T_S, U_V, noise, {}, LINES))[0].alt.startswith("Gain nowhere above 0.8 coherent")
-
-
-def test_correlations_have_their_lags_bound_and_limits() -> None:
-    auto, cross = correlation_pictures(shown())
-    own = lines(auto.figure)["a"]
-    error = 0.1 * (U_V - U_V.mean())
-    expected = [float(error[: 1000 - lag] @ error[lag:]) / float(error @ error) for lag in range(200)]
-    np.testing.assert_array_equal(own.get_xdata(), np.arange(200))
-    np.testing.assert_allclose(own.get_ydata(), expected, atol=1e-9)
-    np.testing.assert_allclose(lines(cross.figure)["a"].get_ydata(), expected, atol=1e-9)
-    assert "a 1.00" in cross.alt
-    assert "99 % bound of white noise 0.082" in auto.alt  # 2.58 / sqrt(1000)
-    assert auto.figure.axes[0].get_ylim() == pytest.approx((-0.2, 1.05))
-    assert cross.figure.axes[0].get_ylim() == pytest.approx((-1.1, 1.1))
-    assert auto.alt.startswith(f"Autocorrelation after 199 samples: a {expected[-1]:.2f}")
-    part = Simulated(T_S[:400], U_V[:400], Y_UM[:400], {"a": U_V[:400]}, LINES)
-    assert lines(correlation_pictures(part)[0].figure)["a"].get_xdata().size == 100  # a quarter of the rows
-    assert correlation(np.zeros(4), np.ones(4), np.arange(2)).tolist() == [0.0, 0.0]
 
 
 def test_reduced_curves_keep_their_peaks_and_their_order() -> None:

@@ -53,7 +53,7 @@ SECTIONS = (
     "Glossary",
     "Provenance",
 )
-PICTURES = 20
+PICTURES = 18
 VOID = {"meta", "img", "br", "hr", "link", "input"}
 
 

@@ -84,8 +84,9 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     texts = _firmware(model.name, facts, costs, counted.struct_bytes)
     texts = {name: in_quantities(model, name, text) for name, text in texts.items()}
     texts[model_file(model)] = dump_model(model)
+    stated = {} if chosen.budget_cycles is None else {"budget_cycles": chosen.budget_cycles}
     summary = {
-        "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz, **_stated_budget(chosen)},
+        "options": {"inverse": chosen.inverse, "clock_Hz": chosen.clock_Hz, **stated},
         "certificates": derived.certificates.to_json(),
         "error": _errors(errors),
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
@@ -163,11 +164,6 @@ def cost_figures(model: Model | Derived, options: Options | None = None) -> Figu
 def tables(model: Model) -> list[Table]:
     """Every table of constants of `<name>_params.h` that the generated C reads, in the order of the file."""
     return [table for section in Derived(model).sections for table in section.tables]
-
-
-def _stated_budget(options: Options) -> dict[str, int]:
-    """The budget for the manifest, if one is stated."""
-    return {} if options.budget_cycles is None else {"budget_cycles": options.budget_cycles}
 
 
 def _errors(errors: Accuracy) -> dict[str, Any]:

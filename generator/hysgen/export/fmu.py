@@ -249,7 +249,8 @@ def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Word
         from fmpy.fmi3 import FMU3Slave
     except ImportError as fault:
         raise BuildError("FMPy is not installed: pip install 'hysgen[export]'") from fault
-    by_name = {variable.name: variable for variable in fmu_variables(model, options_of(folder))}
+    options = Options(inverse=bool(read_folder(folder / "model").facts["options"]["inverse"]))
+    by_name = {variable.name: variable for variable in fmu_variables(model, options)}
     path = str(folder / f"{model.name}_fmi{standard}.fmu")
     description = fmpy.read_model_description(path)
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
@@ -304,11 +305,6 @@ def _stepped(standard: int, fmu: Any, by_name: Mapping[str, Variable], model: Mo
         out[k, 1] = get_word(status)[0] & 0xFFFFFFFF
     out[:, 0] = results.view(np.uint32)
     return out
-
-
-def options_of(folder: Path) -> Options:
-    """The options with which the C in a folder's model/ was generated."""
-    return Options(inverse=bool(read_folder(folder / "model").facts["options"]["inverse"]))
 
 
 EXPORT = Export(

@@ -19,10 +19,10 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
-from hysgen.feedback.stage import Uncertainty, draws, inverse, lines, modes_of, response, series, stage
+from hysgen.feedback.stage import Uncertainty, draws, inverse, lines, modes_of, response, stage
 from hysgen.model.model import Model
 from hysgen.model.path import preview
-from hysgen.model.path.base import StateSpace
+from hysgen.model.path.base import StateSpace, series
 from hysgen.model.path.structure import Structure
 
 Floats = NDArray[np.float64]
@@ -136,10 +136,9 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
 
     latency: as for LoopDesign. Raises ModelError if there is none.
     """
-    modes, ringing = modes_of(model), lines(model)
+    modes, ringing, cloud = modes_of(model), lines(model), draws(model)
     f_Hz = _frequencies([*modes, *ringing], given, model.Ts_s)
     z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
-    cloud = draws(model)
     known, ahead = inverse(model), latency + preview(model.blocks)
     chains = [stage(model, unit, given, ahead) for unit in cloud]
     stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
@@ -171,20 +170,9 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
     )
     own = response([integral, *filters, *known, *stage(model, np.zeros(cloud.shape[1]), given, ahead)], z)
     band = np.array([np.abs(loops).min(axis=0), np.abs(loops).max(axis=0)])
-    return LoopDesign(
-        model.name,
-        model.Ts_s,
-        gain,
-        notches,
-        latency,
-        given,
-        next((f for f, _ in modes), None),
-        certificate,
-        f_Hz,
-        band,
-        np.rad2deg(np.unwrap(np.angle(own))),
-        steps,
-    )
+    phase_deg, first_Hz = np.rad2deg(np.unwrap(np.angle(own))), next((f for f, _ in modes), None)
+    name, Ts_s = model.name, model.Ts_s
+    return LoopDesign(name, Ts_s, gain, notches, latency, given, first_Hz, certificate, f_Hz, band, phase_deg, steps)
 
 
 def _gain(loops: Complex, model: Model) -> float:

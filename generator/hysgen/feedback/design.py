@@ -69,12 +69,6 @@ def zpk(notches: tuple[Notch, ...], Ts_s: float) -> tuple[Complex, Complex, floa
     return z, p, float(np.real(np.prod(1.0 - p) / np.prod(1.0 - z)))
 
 
-def filter_response(notches: tuple[Notch, ...], z: Complex, Ts_s: float) -> Complex:
-    """F at z, (n,)."""
-    zeros, poles, k = zpk(notches, Ts_s)
-    return np.asarray(k * np.prod(z - zeros[:, None], axis=0) / np.prod(z - poles[:, None], axis=0))
-
-
 def filter_block(notches: tuple[Notch, ...], Ts_s: float) -> Structure | None:
     """F as a structure of as many modes, whose mirror, C and proof it shares; None for F = 1.
 
@@ -129,7 +123,8 @@ def best_filter(
         block = filter_block(notches, Ts_s)
         if block is not None and np.abs(block.residues()).max() > LARGEST_WEIGHT:
             return 0.0
-        loops = stages * filter_response(notches, z, Ts_s)
+        zeros, poles, k = zpk(notches, Ts_s)
+        loops = stages * k * np.prod(z - zeros[:, None], axis=0) / np.prod(z - poles[:, None], axis=0)
         return float(bandwidths_Hz(largest_gain(loops) * loops, f_Hz).min())
 
     def of(x: Floats) -> tuple[Notch, ...]:

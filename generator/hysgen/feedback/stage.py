@@ -36,7 +36,6 @@ Complex = NDArray[np.complex128]
 LOG2_DRAWS = 10
 """Binary logarithm of the number of draws: 1024 points of a Sobol sequence, the same on every machine."""
 
-
 LATENCY = 1.0
 """Samples from reading to voltage by default: it is put out when the next sample begins."""
 
@@ -137,15 +136,6 @@ def response(chain: Sequence[StateSpace], z: Complex) -> Complex:
     for A, B, C, D in chain:
         product *= D + np.linalg.solve(z[:, None, None] * np.eye(B.size) - A, B[:, None])[..., 0] @ C
     return product
-
-
-def series(chain: Sequence[StateSpace]) -> StateSpace:
-    """One system out of factors, each driven by the one before."""
-    A, B, C, D = chain[0]
-    for a, b, c, d in chain[1:]:
-        A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [np.outer(b, C), a]])
-        B, C, D = np.concatenate([B, b * D]), np.concatenate([d * C, c]), d * D
-    return A, B, C, D
 
 
 def _delayed(samples: float) -> StateSpace:

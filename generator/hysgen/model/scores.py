@@ -179,7 +179,8 @@ class Scores(Displayed):
             "warnings": list(self.warnings),
             "one_step": self.one_step.to_json(),
             "free_run": self.free_run.to_json(),
-            "own": self.own.to_json() | {"taken_out": [taken_json(taken) for taken in self.taken]},
+            "own": self.own.to_json()
+            | {"taken_out": [dataclasses.asdict(p) | {"rows": list(p.rows)} for p in self.taken]},
             "persistence_one_step": self.persistence.to_json(),
             "horizon": self.horizon.to_json(),
             "noise_floor": self.noise.to_json(),
@@ -196,8 +197,9 @@ class Scores(Displayed):
             ("persistence, one step", self.persistence),
         ]
         curve = zip(self.horizon.steps, self.horizon.rms_um, strict=True)
+        taken = "; ".join(part.text for part in self.taken) or "nothing found"
         notes = [
-            f"{OWN}: {describe_taken(self.taken)}",
+            f"{OWN}: without what no model can know before the record: {taken}",
             self.noise_note(),
             "rms um after " + ", ".join(f"{1e3 * self.Ts_s * steps:.4g} ms: {rms:.4g}" for steps, rms in curve),
         ]
@@ -224,16 +226,6 @@ class Scores(Displayed):
 
 OWN = "free run, own"
 """Name of the model's own figure in tables."""
-
-
-def describe_taken(taken: Sequence[Taken]) -> str:
-    """What was taken out of a free run, as a phrase for people."""
-    return "without what no model can know before the record: " + ("; ".join(p.text for p in taken) or "nothing found")
-
-
-def taken_json(taken: Taken) -> dict[str, Any]:
-    """Plain JSON values."""
-    return dataclasses.asdict(taken) | {"rows": list(taken.rows)}
 
 
 NEXT_TO_NOTHING = "it explains next to nothing of this record"

@@ -140,7 +140,7 @@ def _loops(drawn: dict[str, Picture]) -> PageSection:
 
 
 def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
-    chosen = [drawn[name] for name in ("time", "horizon", "autocorrelation", "cross-correlation", "spectrum")]
+    chosen = [drawn[name] for name in ("time", "horizon", "spectrum")]
     chosen += [picture for name, picture in drawn.items() if name.startswith("error-by-")]
     after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
     return PageSection(
@@ -150,10 +150,7 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
             f"floor{after}. One-step errors are small for every model; the free run is the error of a simulation."
         ],
         pictures=chosen,
-        notes=[
-            "Error: simulated - measured. A gap in a line: the record has no such samples. Grey band of the "
-            "correlations: 99 % of those of white noise."
-        ],
+        notes=["Error: simulated - measured. A gap in a line: the record has no such samples."],
     )
 
 

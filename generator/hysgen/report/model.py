@@ -26,7 +26,6 @@ from hysgen.report.plots import style
 from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import (
     Simulated,
-    correlation_pictures,
     fit_percent,
     free_run_pictures,
     horizon,
@@ -92,7 +91,7 @@ def model_page(title: str, scored: ScoredModels, command: str = "") -> Page:
                 "Measured and simulated",
                 text=["Grey is measured."],
                 pictures=pictures,
-                notes=["Error: simulated - measured. Grey band of the correlations: 99 % of those of white noise."],
+                notes=["Error: simulated - measured."],
             ),
             model_section(best),
             glossary_section(),
@@ -135,13 +134,10 @@ def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
         lines,
     )
     curves = {name: s.horizon for name, s in scores.items()}
-    ends = ", ".join(f"{name} {c.rms_um[0]:.2g} to {c.rms_um[-1]:.2g} µm" for name, c in curves.items())
-    drawn = horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, "", lines)
     return shown, [
         *free_run_pictures(shown),
         *response_pictures(shown),
-        *correlation_pictures(shown),
         *loop_pictures(shown),
         time_picture(shown),
-        Picture("horizon", "Error against the horizon", f"Error rms from one step on: {ends}.", drawn),
+        horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, lines),
     ]

@@ -15,9 +15,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.signal import lfilter
 
 from hysgen.errors import ModelError
@@ -31,8 +33,8 @@ from hysgen.model.simulate import rest_um
 
 Floats = NDArray[np.float64]
 
-BISECTIONS = 40
-"""Steps that find a voltage to 1e-12 of the input range."""
+FOUND = 1e-12
+"""Share of the input range to which the voltage of a rest is found."""
 
 FORGOTTEN = 1e-9
 """Share of a state before the first sample that may be missing."""
@@ -57,21 +59,22 @@ def asked_of_inverse(model: Model, u_V: Floats) -> Floats:
 
     It leaves blocks without a stable inverse out: asked for what the model without them answers, it puts out u_V.
     """
+    return without_unstable(model).simulate(u_V)
+
+
+def without_unstable(model: Model) -> Model:
+    """The model that the emitted inverse inverts: without disturbances and blocks that have no stable inverse."""
     solved = tuple(block for block in model.blocks if not block.responds or block.solves(model.Ts_s))
-    return dataclasses.replace(own_response(model), blocks=solved).simulate(u_V)
+    return dataclasses.replace(own_response(model), blocks=solved)
 
 
 def rest_voltage(model: Model, y_um: float) -> float:
-    """Voltage under which the model rests at y, by bisection; an end of the input range for a y beyond it."""
-    low_V, high_V = model.u_min_V, model.u_max_V
-    rising = rest_um(model, high_V, {}) > rest_um(model, low_V, {})
-    for _ in range(BISECTIONS):
-        middle_V = 0.5 * (low_V + high_V)
-        if (rest_um(model, middle_V, {}) < y_um) == rising:
-            low_V = middle_V
-        else:
-            high_V = middle_V
-    return 0.5 * (low_V + high_V)
+    """Voltage under which the model rests at y; an end of the input range for a y beyond it."""
+    ends_V = model.u_min_V, model.u_max_V
+    missed = {u_V: rest_um(model, u_V, {}) - y_um for u_V in ends_V}
+    if missed[ends_V[0]] * missed[ends_V[1]] > 0.0:
+        return min(ends_V, key=lambda u_V: abs(missed[u_V]))
+    return float(brentq(lambda u_V: rest_um(model, u_V, {}) - y_um, *ends_V, xtol=FOUND * (ends_V[1] - ends_V[0])))
 
 
 def preview_samples(model: Model) -> int:
@@ -94,13 +97,19 @@ def inverse(model: Model, y_um: Floats, rest_V: float) -> Floats:
     The model has no disturbances. A y(k) that no voltage reaches takes the nearest end of the range of the hysteresis.
     Raises ModelError if a response of the model cannot be inverted.
     """
-    wanted = _before_rules(model, y_um)
+    of_y, of_w, constant = (memberships(y_um[:-1], model.grid) @ model.consequents).T
+    w = (y_um[1:] - of_y * model.grid.clamp(y_um[:-1]) - constant) / of_w
+    return inverse_of_path(model.blocks, w, rest_V, model.Ts_s)
+
+
+def inverse_of_path(blocks: Sequence[InputBlock], out: Floats, rest_V: float, Ts_s: float) -> Floats:
+    """Voltages, (n,), that bring forth the output of the blocks, (n,), from rest under rest_V."""
     levels = [rest_V]
-    for block in model.blocks:
-        levels.append(float(block.apply(np.full(2, levels[-1]), model.Ts_s)[0]))
-    for block, at_rest, out in zip(reversed(model.blocks), levels[-2::-1], levels[:0:-1], strict=True):
-        wanted = _solved(block, wanted, at_rest, out, model.Ts_s)
-    return wanted
+    for block in blocks:
+        levels.append(float(block.apply(np.full(2, levels[-1]), Ts_s)[0]))
+    for block, before, behind in zip(reversed(blocks), levels[-2::-1], levels[:0:-1], strict=True):
+        out = _solved(block, out, before, behind, Ts_s)
+    return out
 
 
 def corrected_inverse(model: Model, y_um: Floats, rest_V: float) -> tuple[Floats, Floats]:
@@ -120,13 +129,6 @@ def corrected_inverse(model: Model, y_um: Floats, rest_V: float) -> tuple[Floats
         aim = aim + (y_um - answer)
     assert best is not None
     return best[1], best[2]
-
-
-def _before_rules(model: Model, y_um: Floats) -> Floats:
-    """Eq. (11): w(k), (n,), that takes y(k) to y(k+1)."""
-    strengths = memberships(y_um[:-1], model.grid)
-    of_y, of_w, constant = (strengths @ model.consequents).T
-    return np.asarray((y_um[1:] - of_y * model.grid.clamp(y_um[:-1]) - constant) / of_w)
 
 
 def _solved(block: InputBlock, out: Floats, input_at_rest: float, out_at_rest: float, Ts_s: float) -> Floats:

@@ -66,7 +66,8 @@ def learn(
     scatter = 0.0
     for record in plays:
         u_V, y_um = _aligned(record, reference, lead, model.Ts_s)
-        known = next((i for i, other in enumerate(volts) if _same(u_V, other)), None)
+        same_V = SAME_VOLTAGE * float(np.ptp(u_V))
+        known = next((i for i, other in enumerate(volts) if np.sqrt(np.mean((u_V - other) ** 2)) <= same_V), None)
         if known is None:
             volts.append(u_V)
             readings.append(y_um)
@@ -84,7 +85,9 @@ def learn(
     spectra = [np.asarray(dct(e, norm="ortho")) for e in errors]
     power, noise = _power(spectra[base]), noise_um**2 / counts[base]
     Q = np.where(power > NOISE_FACTOR * noise, 1.0 - noise / np.maximum(power, 1e-300), 0.0)
-    wrong = np.full(n, _overall(readings[base] - answers[base], answers[base], noise_um))
+    # Over a whole repeat, above the noise and but for a constant.
+    missed = max(float(np.var(readings[base] - answers[base])) - noise_um**2, 0.0)
+    wrong = np.full(n, math.sqrt(missed / max(float(np.var(answers[base])), 1e-300)))
     for late, early in zip(range(len(volts) - 1, 0, -1), range(len(volts) - 2, -1, -1), strict=True):
         moved = np.asarray(dct(answers[late] - answers[early], norm="ortho"))
         apart = np.asarray(dct(readings[late] - readings[early], norm="ortho")) - moved
@@ -118,15 +121,6 @@ def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tupl
             f"{start_s + (count - 1) * Ts_s:.6g} s; record the whole repeat, from its first voltage on"
         )
     return u[first : first + count], y[first + lead : first + count]
-
-
-def _same(u_V: Floats, other_V: Floats) -> bool:
-    return float(np.sqrt(np.mean((u_V - other_V) ** 2))) <= SAME_VOLTAGE * float(np.ptp(other_V))
-
-
-def _overall(missed: Floats, answer: Floats, noise_um: float) -> float:
-    """Relative error of the model over a whole repeat, above the noise and but for a constant."""
-    return math.sqrt(max(float(np.var(missed)) - noise_um**2, 0.0) / max(float(np.var(answer)), 1e-300))
 
 
 def _power(spectrum: Floats) -> Floats:

@@ -1,32 +1,37 @@
-"""The voltage inside its limits whose largest error is least: a linear programme, solved about the last answer.
+"""The voltage inside its limits whose largest error is least: linear programmes, each about the last answer.
 
     minimise    t + SPREAD sum_k s(k) / n
     such that   |y(k) - r(k)| <= s(k) <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
                 |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
 
-with y(k+1) = a(k) y(k) + b(k) u(k-d) + c(k), where c makes the line pass through the answer of the model to the last
-voltage. The unknowns are u, t and the error above and below, whose sum is s: every row has few entries, and the range
-is a bound. HiGHS solves it, by its interior point.
+Unknown is v, the output of the hysteresis, whose exact inverse gives u: v ends where u does, and changes by the slope
+of the hysteresis along the last answer times as much. Behind it the stage is linear but for the curve of its rules:
+
+    x(k+1) = A x(k) + B v(k-d),   y(k+1) = a(k) y(k) + b(k) (C x(k) + D v(k-d))        of creep and modes, and of rules
+
+in deviations from the last answer. The unknowns are v, y, x, s and t.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.optimize import linprog
 
-from hysgen.certify.enclosure import slope
+from hysgen.certify.enclosure import gain, slope
 from hysgen.machine.kernels.operators import slew_limited
 from hysgen.model.model import Model
-from hysgen.model.path import applied
+from hysgen.model.path import applied, preview
+from hysgen.model.path.base import InputBlock, StateSpace, series
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
-from hysgen.model.regression import memberships
+from hysgen.trajectory.interior_point import least
+from hysgen.trajectory.inverse import inverse, inverse_of_path, without_unstable
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +39,17 @@ SPREAD = 0.01
 """Weight of the mean error beside the largest, which stays within a hundredth of its least."""
 
 ROUNDS, LEAST_FALL = 12, 0.01
-"""Programmes one after the other, and the relative fall of the largest error below which they end."""
+"""Programmes at most; they end where the largest error falls by less, or is as near to that of the programme."""
 
 SHARES = (1.0, 0.5, 0.25)
 """Shares of the way from the last voltage to that of a programme that are tried: the line is no more than near."""
 
-PINNED = 1e-6
-"""Half of the range, as a share, in which what is given may move: an interior point needs room."""
+MOVED = 1e-6
+"""Change of the voltage, as a share of the range, from which on the slope of a hysteresis is read from it."""
+
+
+NO_STATE: StateSpace = (np.zeros((1, 1)), np.zeros(1), np.zeros(1), 1.0)
+"""What passes through without a response; one state that rests, for a model that has none."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +73,10 @@ class Limits:
 
 
 def limits_of(model: Model, given: Limits | None) -> Limits:
-    """The limits of the model (input range, saturation, slew rate), narrowed by those given."""
+    """The limits of the model (input range, saturation, hysteresis, slew rate), narrowed by those given."""
     low_V, high_V, slew = model.u_min_V, model.u_max_V, None
     for block in model.blocks:
-        if isinstance(block, Saturation):
+        if isinstance(block, Saturation | Hysteresis):
             low_V = low_V if block.low_V is None else max(low_V, block.low_V)
             high_V = high_V if block.high_V is None else min(high_V, block.high_V)
         if isinstance(block, Slew):
@@ -96,72 +105,105 @@ def clipped(u_V: Floats, limits: Limits, Ts_s: float) -> Floats:
     return made
 
 
-def best_within(model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored: slice) -> tuple[Floats, Floats]:
+def best_within(
+    model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored: slice, first: int
+) -> tuple[Floats, Floats]:
     """A voltage inside its limits with the least largest error along y, (n + 1,), and the answer of the model to it.
 
-    u_V: (n,) of the exact inverse. On the rows `scored`, where the error counts, never worse than the clipped voltage.
+    u_V: (n,) of the exact inverse, as it stays before the sample `first`. On the rows `scored`, where the error counts,
+    never worse than u cut at the limits, nor than the inverse that leaves out what has no stable inverse.
     """
-    delay = sum(block.preview for block in model.blocks)
-    volts = clipped(u_V, limits, model.Ts_s)
-    answer = model.simulate(np.append(volts, volts[-1]))
-    best = (float(np.abs(answer - y_um)[scored].max()), volts, answer)
-    per_V = np.prod([2.0 * b.mean_slope / (b.high_V - b.low_V) for b in model.blocks if isinstance(b, Hysteresis)])
+
+    def judged(volts: Floats) -> tuple[float, Floats, Floats]:
+        answer = model.simulate(np.append(volts, volts[-1]))
+        return float(np.abs(answer - y_um)[scored].max()), volts, answer
+
+    def nearest(tried: Iterable[Floats]) -> tuple[float, Floats, Floats]:
+        return min(map(judged, tried), key=lambda pair: pair[0])
+
+    emitted = inverse(without_unstable(model), y_um, float(u_V[0]))
+    emitted[0] = u_V[0]
+    best = nearest(clipped(volts, limits, model.Ts_s) for volts in (u_V, emitted))
     for _ in range(ROUNDS):
         before, volts, answer = best
-        y = answer[delay:-1]
-        w = applied(model.blocks, volts, model.Ts_s, model.w_range)[delay:]
-        a, b = slope(model, y, w), memberships(y, model.grid) @ model.consequents[:, 1] * per_V
-        c = answer[delay + 1 :] - a * y - b * volts[: volts.size - delay]
-        early = _programme((a, b, c), y_um[delay:], float(y[0]), volts[: y.size], limits, model.Ts_s)
-        aim = np.append(early, np.full(delay, early[-1]))
+        aim, least_um = _programme(model, y_um, volts, answer, limits, slice(first, scored.stop))
         aim = clipped(aim, limits, model.Ts_s) if limits.broken(aim, model.Ts_s) else aim
         # The limits are convex: every voltage between two inside them is inside them, too.
-        for share in SHARES:
-            tried = volts + share * (aim - volts)
-            answer = model.simulate(np.append(tried, tried[-1]))
-            largest = float(np.abs(answer - y_um)[scored].max())
-            if largest < best[0]:
-                best = (largest, tried, answer)
-        if best[0] > (1.0 - LEAST_FALL) * before:
+        best = min(best, nearest(volts + share * (aim - volts) for share in SHARES), key=lambda pair: pair[0])
+        if best[0] < (1.0 + LEAST_FALL) * least_um or best[0] > (1.0 - LEAST_FALL) * before:
             break
     return best[1], best[2]
 
 
 def _programme(
-    line: tuple[Floats, Floats, Floats], r: Floats, y_um: float, last_V: Floats, limits: Limits, Ts_s: float
-) -> Floats:
-    """The voltages, (n,), of one programme. line: a, b, c, (n,) each, about last_V; r: (n + 1,) reference; y(0)."""
-    a, b, c = line
-    n = a.size
-    step = _neighbours(-a, np.ones(n))
-    # From the rest before on, which is as high as the first voltage.
-    change = _neighbours(-np.ones(n - 1), np.ones(n - 1))
+    model: Model, y_um: Floats, volts: Floats, answer: Floats, limits: Limits, rows: slice
+) -> tuple[Floats, float]:
+    """The voltages, (n,), of a programme about the last ones and their answer, and its largest error along the rows."""
+    Ts_s, begin = model.Ts_s, rows.start + preview(model.blocks)
+    spaces = [block.state_space(Ts_s) for block in model.blocks]
+    head = [block for block, space in zip(model.blocks, spaces, strict=True) if space is None]
+    A, B, C, D = series([NO_STATE, *(space for space in spaces if space is not None)])
+    v, slopes, (low, high) = _behind(head, volts, limits, Ts_s)
+    missed, w = (answer - y_um)[begin + 1 : rows.stop], applied(model.blocks, volts, Ts_s, model.w_range)
+    a, b = slope(model, answer[begin:-1], w[begin:]), gain(model, answer[begin:-1])
+    # Of v and x in half ranges; of y, s and t in the last largest error.
+    n, m, count, half, unit_um = a.size, B.size, missed.size, 0.5 * (high - low), float(np.abs(missed).max())
+    unit, late, of_w = sparse.eye_array(n), sparse.eye_array(n, k=-1), sparse.diags_array(half / unit_um * b)
+    nothing, free = None, sparse.csr_array((n, count + 1))
+    equations: list[list[Any]] = [
+        [-D * of_w, unit - sparse.diags_array(a) @ late, -sparse.kron(of_w @ late, C[None, :]), free],
+        [-sparse.kron(unit, B[:, None]), nothing, sparse.eye_array(n * m) - sparse.kron(late, A), nothing],
+        [sparse.eye_array(1, n), nothing, nothing, nothing],
+    ]
+    error, some, along = missed / unit_um, sparse.eye_array(count, count + 1), sparse.eye_array(count, n)
+    largest = sparse.csr_array((np.ones(count), (np.arange(count), np.full(count, count))), some.shape)
+    bounds: list[list[Any]] = [
+        [sparse.csr_array((count, n)), along, sparse.csr_array((count, n * m)), -some],
+        [nothing, -along, nothing, -some],
+        [nothing, nothing, nothing, some - largest],
+    ]
+    sides = [-error, error, np.zeros(count)]
+    last_V = np.append(volts[max(rows.start - 1, 0)], volts[rows.start : rows.start + n])
+    within = (unit, [(high - v[begin:]) / half, (v[begin:] - low) / half])
+    for matrix, room in (within, *_rates(half / slopes[begin:], last_V, limits, Ts_s)):
+        bounds += [[sign * matrix, nothing, nothing, nothing] for sign in (1.0, -1.0)]
+        sides += room
+    cost = np.concatenate([np.zeros(n * (2 + m)), np.full(count, SPREAD / count), [1.0]])
+    start = np.concatenate([np.zeros(n * (2 + m)), np.abs(error), [1.0]])
+    k = np.arange(float(n))
+    unknowns = np.concatenate([k, k + 0.6, np.repeat(k, m) + 0.8, k[:count] + 0.9, [n]])
+    rows_of = np.concatenate([k + 0.2, np.repeat(k, m) + 0.4, [0.0]])
+    E, G = (sparse.block_array(parts, format="csr") for parts in (equations, bounds))
+    x = least(cost, E, G, np.concatenate(sides), start, (unknowns, rows_of))
+    v[begin:] = np.clip(v[begin:] + half * x[:n], low, high)
+    largest_um = unit_um * float(np.abs(error + x[n : n + count]).max())
+    return inverse_of_path(head, v, float(volts[0]), Ts_s), largest_um
+
+
+def _rates(per_V: Floats, last_V: Floats, limits: Limits, Ts_s: float) -> Iterator[tuple[Any, list[Floats]]]:
+    """Matrices and sides of the limits of slew and acceleration, in units of the limit.
+
+    per_V: (n - 1,) half ranges of v over changes of u from sample to sample; last_V: (n + 1,) from the sample before.
+    """
+    n, moved_V, bent_V = last_V.size - 1, np.diff(last_V)[1:], np.diff(last_V, 2)
+    change = (sparse.diags_array(per_V) @ (sparse.eye_array(n - 1, n, k=1) - sparse.eye_array(n - 1, n))).tocsr()
     bend = sparse.vstack([change[:1], change[1:] - change[:-1]])
-    rates = ((limits.slew_V_s, change, Ts_s), (limits.acceleration_V_s2, bend, Ts_s**2))
-    bounds = [(matrix, rate * unit_s) for rate, matrix, unit_s in rates if rate is not None]
-    unit, column, nothing = sparse.eye_array(n + 1), sparse.csr_array(np.ones((n + 1, 1))), None
-    # Of above, below, u and t.
-    parts: list[list[Any]] = [[unit, unit, sparse.csr_array((n + 1, n)), -column]]
-    parts += [[nothing, nothing, part, nothing] for matrix, _ in bounds for part in (matrix, -matrix)]
-    sides = np.concatenate([np.zeros(n + 1), *(np.full(2 * matrix.shape[0], most_V) for matrix, most_V in bounds)])
-    follows = sparse.block_array([[step, -step, -sparse.diags_array(b), sparse.csr_array((n, 1))]], format="csr")
-    # The displacement begins where it rests, and the first voltage is that of the rest before.
-    above, below, room_V = max(y_um - r[0], 0.0), max(r[0] - y_um, 0.0), PINNED * (limits.high_V - limits.low_V)
-    free = [(0.0, None)] * n
-    ends: Any = [(above, above), *free, (below, below), *free, (last_V[0] - room_V, last_V[0] + room_V)]
-    ends += [*[(limits.low_V, limits.high_V)] * (n - 1), (0.0, None)]
-    # Not of the mean but of the sum: its share lies above the rounding of a price.
-    cost = np.concatenate([np.full(2 * n + 2, SPREAD), np.zeros(n), [n + 1.0]])
-    solve: Any = linprog
-    rows = sparse.block_array(parts, format="csr")
-    answer = solve(cost, rows, sides, follows, c - step @ r, bounds=ends, method="highs-ipm")
-    # Without an answer the last voltage stays.
-    return last_V if answer.x is None else np.asarray(np.clip(answer.x[2 * n + 2 : -1], limits.low_V, limits.high_V))
+    rates = ((change, moved_V, limits.slew_V_s, Ts_s), (bend, bent_V, limits.acceleration_V_s2, Ts_s**2))
+    for matrix, last, rate, unit_s in rates:
+        if rate is not None:
+            yield matrix / (rate * unit_s), [1.0 - last / (rate * unit_s), 1.0 + last / (rate * unit_s)]
 
 
-def _neighbours(here: Floats, next_to: Floats) -> Any:
-    """The matrix (n, n + 1) whose row k is here(k) at column k and next_to(k) at column k + 1."""
-    n = here.size
-    columns = np.stack([np.arange(n), np.arange(1, n + 1)], axis=1).ravel()
-    values = np.stack([here, next_to], axis=1).ravel()
-    return sparse.csr_matrix((values, columns, 2 * np.arange(n + 1)), shape=(n, n + 1))
+def _behind(
+    head: Sequence[InputBlock], volts: Floats, limits: Limits, Ts_s: float
+) -> tuple[Floats, Floats, list[float]]:
+    """Output of delay and hysteresis, (n,), its slope from sample to sample, (n - 1,), and where it ends."""
+    v, slopes, ends = volts, np.ones(volts.size - 1), [limits.low_V, limits.high_V]
+    for block in head:
+        before, v = np.diff(v), block.apply(v, Ts_s)
+        if isinstance(block, Hysteresis):
+            slopes = np.full(before.size, 2.0 * block.mean_slope / (block.high_V - block.low_V))
+            turns = np.abs(before) > MOVED * (limits.high_V - limits.low_V)
+            slopes[turns] = np.diff(v)[turns] / before[turns]
+            ends = [float(block.apply(np.array([volts[0], end_V]), Ts_s)[-1]) for end_V in ends]
+    return v, slopes, ends

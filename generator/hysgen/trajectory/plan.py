@@ -21,7 +21,7 @@ from hysgen.trajectory.inverse import (
     preview_samples,
     rest_voltage,
 )
-from hysgen.trajectory.limits import Limits, best_within, clipped, limits_of
+from hysgen.trajectory.limits import MOVED, Limits, best_within, clipped, limits_of
 from hysgen.trajectory.reference import Sampled
 
 Floats = NDArray[np.float64]
@@ -247,11 +247,11 @@ Made = tuple[Floats, Floats, int, float | None, tuple[str, ...]]
 
 def lead_samples(stage: Model, wanted: Floats, limits: Limits, loop: bool) -> int:
     """Samples of the voltage before the first one of the reference."""
-    return preview_samples(stage) + (_loop(stage, wanted, limits)[0].size if loop else 0)
+    return preview_samples(stage) + (_loop(stage, wanted, limits).size if loop else 0)
 
 
-def _loop(stage: Model, wanted: Floats, limits: Limits) -> tuple[Floats, float]:
-    """Displacement of a loop over the range of the voltage and on to the reference, and the voltage at its beginning.
+def _loop(stage: Model, wanted: Floats, limits: Limits) -> Floats:
+    """Displacement of a loop from the least voltage over the range and on to the reference.
 
     A stroke is half a cosine: largest slope pi/2 range/T, largest second derivative pi^2/2 range/T^2.
     """
@@ -264,15 +264,17 @@ def _loop(stage: Model, wanted: Floats, limits: Limits) -> tuple[Floats, float]:
     count = math.ceil(max(times_s) / stage.Ts_s)
     rise = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / count))
     course = stage.simulate(limits.low_V + range_V * np.concatenate([rise, 1.0 - rise, np.zeros(count)]))
-    return np.concatenate([course, course[-1] + (wanted[0] - course[-1]) * rise]), limits.low_V
+    return np.concatenate([course, course[-1] + (wanted[0] - course[-1]) * rise])
 
 
 def _from_rest(stage: Model, wanted: Floats, limits: Limits, loop: bool) -> Made:
-    before, rest_V = _loop(stage, wanted, limits) if loop else (np.zeros(0), None)
+    before, rest_V = (_loop(stage, wanted, limits), limits.low_V) if loop else (np.zeros(0), None)
     before = np.concatenate([before, np.full(preview_samples(stage), wanted[0])])
     course = np.concatenate([before, wanted, np.full(preview_samples(stage) + 1, wanted[-1])])
     scored = slice(before.size, before.size + wanted.size)
-    volts, answer, cut_um, broken = _limited(stage, course, limits, scored, rest_V)
+    # What a loop leaves behind is the past: its voltages stay.
+    first = scored.start - preview_samples(stage)
+    volts, answer, cut_um, broken = _limited(stage, course, limits, scored, first, rest_V)
     return volts[: scored.stop], answer[scored], before.size, cut_um, broken
 
 
@@ -293,7 +295,7 @@ def _period(stage: Model, wanted: Floats, limits: Limits) -> Made:
     for _ in range(CORRECTIONS):
         begin = aim.mean() + (aim[0] - aim.mean()) * ramp
         course = np.concatenate([np.full(lead, aim.mean()), begin, np.tile(aim, repeats), np.full(lead + 1, aim[-1])])
-        volts, _, cut_um, broken = _limited(stage, course, limits, slice(last - period, last))
+        volts, _, cut_um, broken = _limited(stage, course, limits, slice(last - period, last), 0)
         volts = volts[last - period : last]
         y = stage.simulate(np.tile(volts, repeats))[-period:]
         missed = float(np.abs(y - wanted).max())
@@ -308,7 +310,7 @@ def _period(stage: Model, wanted: Floats, limits: Limits) -> Made:
 
 
 def _limited(
-    stage: Model, course: Floats, limits: Limits, scored: slice, rest_V: float | None = None
+    stage: Model, course: Floats, limits: Limits, scored: slice, first: int, rest_V: float | None = None
 ) -> tuple[Floats, Floats, float | None, tuple[str, ...]]:
     """Voltages and answer along a course that begins and ends at rest, error of the cut voltage, limits broken."""
     if rest_V is None:
@@ -316,11 +318,16 @@ def _limited(
     volts, answer = corrected_inverse(stage, course, rest_V)
     volts[0] = rest_V
     broken = limits.broken(volts, stage.Ts_s)
+    # The inverse of a hysteresis ends where its range does, within rounding.
+    near_V = MOVED * (limits.high_V - limits.low_V)
+    ends = (volts < limits.low_V + near_V) | (volts > limits.high_V - near_V)
+    if ends[scored].any() and np.abs(answer - course)[scored].max() > REACHED * np.ptp(course[scored]):
+        broken = broken or ("voltage",)
     if not broken:
         return volts, answer, None, broken
     cut = clipped(volts, limits, stage.Ts_s)
     cut_um = float(np.abs(stage.simulate(np.append(cut, cut[-1])) - course)[scored].max())
-    return *best_within(stage, course, volts, limits, scored), cut_um, broken
+    return *best_within(stage, course, volts, limits, scored, first), cut_um, broken
 
 
 def _spans(missed: NDArray[np.bool_], start_s: float, Ts_s: float) -> tuple[tuple[float, float], ...]:

@@ -23,6 +23,7 @@ from hysgen.trajectory.reference import FORMS, Form
 
 SIMULATE_HELP = """\
 The displacement of a model under the voltages of a file, from rest under the first of them."""
+SIMULATE_EXAMPLE = "hysgen simulate stage.json voltage.csv -o displacement.csv"
 WAVEFORM_HELP = """\
 The voltage that takes a stage along a displacement: by the exact inverse of the model, inside the limits of voltage,
 slew and acceleration. What cannot be reached is said, and made with the least largest error.
@@ -68,9 +69,7 @@ def waveform_arguments(parser: argparse.ArgumentParser) -> None:
         help="records of the repeats so far, oldest first (time_s,voltage_V,displacement_um): the voltage of the next",
     )
     parser.add_argument(
-        "--loop",
-        action="store_true",
-        help="begin with the whole range of the voltage, which wipes out the past",
+        "--loop", action="store_true", help="begin with the whole range of the voltage, which wipes out the past"
     )
     parser.add_argument(
         "--periodic", action="store_true", help="one period of the steady state, to be played in a loop"
@@ -125,13 +124,7 @@ def _write(
 
 
 VERBS = {
-    "simulate": Verb(
-        SIMULATE_HELP,
-        simulate_arguments,
-        run_simulate,
-        WRITES,
-        ("hysgen simulate stage.json voltage.csv -o displacement.csv",),
-    ),
+    "simulate": Verb(SIMULATE_HELP, simulate_arguments, run_simulate, WRITES, (SIMULATE_EXAMPLE,)),
     "waveform": Verb(
         WAVEFORM_HELP,
         waveform_arguments,

@@ -13,7 +13,7 @@ of preview: in the inverse every argument belongs to sample k + d, the result to
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Final
 
@@ -56,6 +56,15 @@ def inverted(space: StateSpace) -> StateSpace:
     """The system from w to x; its poles are the zeros of the given one, whose D is not 0."""
     A, B, C, D = space
     return A - np.outer(B, C) / D, B / D, -C / D, 1.0 / D
+
+
+def series(chain: Sequence[StateSpace]) -> StateSpace:
+    """One system out of factors, each driven by the one before."""
+    A, B, C, D = chain[0]
+    for a, b, c, d in chain[1:]:
+        A = np.block([[A, np.zeros((A.shape[0], a.shape[0]))], [np.outer(b, C), a]])
+        B, C, D = np.concatenate([B, b * D]), np.concatenate([d * C, c]), d * D
+    return A, B, C, D
 
 
 class BlockMirror(MirroredStruct, abc.ABC):

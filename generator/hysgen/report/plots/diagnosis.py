@@ -15,7 +15,6 @@ from hysgen.report.plots import style
 from hysgen.report.plots.style import BASE_MODEL, EXTENDED_MODEL, LINES, Picture
 from hysgen.report.plots.traces import (
     Simulated,
-    correlation_pictures,
     free_run_pictures,
     horizon,
     loop_pictures,
@@ -90,7 +89,6 @@ def pictures(study: Study) -> list[Picture]:
         *response_pictures(runs),
         time_picture(runs),
         horizon_picture(shown, study),
-        *correlation_pictures(runs),
         spectrum_picture(shown),
         *(profile_picture(shown, number) for number in range(len(study.before.profiles))),
         *([shares_picture(study)] if study.improved else []),
@@ -111,10 +109,7 @@ def horizon_picture(shown: list[tuple[str, ErrorMap]], study: Study) -> Picture:
         "noise floor": study.diagnosis.noise.rms_um,
         "persistence, 1 step": study.diagnosis.persistence_um,
     }
-    fig = horizon({label: error.horizon for label, error in shown}, levels_um, study.record.Ts_s, "", LINES)
-    ends = "; ".join(f"{label} {w.horizon.rms_um[0]:.2g} to {w.horizon.rms_um[-1]:.2g} µm" for label, w in shown)
-    last = study.before.horizon.steps[-1]
-    return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
+    return horizon({label: error.horizon for label, error in shown}, levels_um, study.record.Ts_s, LINES)
 
 
 def spectrum_picture(shown: list[tuple[str, ErrorMap]]) -> Picture:

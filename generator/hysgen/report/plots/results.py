@@ -85,10 +85,8 @@ def _(result: Model, record: Record | None = None) -> Drawing:
 def _(result: Scores) -> Drawing:
     """Error against the horizon, with noise floor and free run."""
     levels = {"noise floor": result.noise.rms_um, "free run": result.free_run.e_rms_um}
-    title = f"{result.model} on {result.source}"
-    return Drawing(
-        horizon({result.model: result.horizon}, levels, result.Ts_s, title, {result.model: {"color": style.EXTENDED}})
-    )
+    name = f"{result.model} on {result.source}"
+    return Drawing(horizon({name: result.horizon}, levels, result.Ts_s, {name: {"color": style.EXTENDED}}).figure)
 
 
 @draw.register

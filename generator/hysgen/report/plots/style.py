@@ -180,11 +180,6 @@ def plain_number(value: float, _: int | None = None) -> str:
     return f"{value:.5f}".rstrip("0") if 1e-5 <= value < 1e-4 else f"{value:g}"
 
 
-def three_digits(value: float, _: int | None = None) -> str:
-    """Label of a tick between those of the decades."""
-    return f"{value:.3g}"
-
-
 def save(fig: Figure, path: Path) -> Path:
     """Write the figure as PNG, whole or not at all."""
     write_whole(path, png_bytes(fig))

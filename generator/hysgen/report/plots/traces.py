@@ -1,4 +1,4 @@
-"""Measured and simulated displacement: in time, as error, as loops; frequency response, correlations.
+"""Measured and simulated displacement: in time, as error, as loops; frequency response.
 
 Frequency response by Welch's method, H1 = S_uy / S_uu, of the measured and of the simulated displacement under the same
 voltage; shown where the measured coherence exceeds LEAST_COHERENCE. Error: simulated - measured.
@@ -7,14 +7,13 @@ voltage; shown where the measured coherence exceeds LEAST_COHERENCE. Error: simu
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import NDArray
 from scipy.signal import csd
 
@@ -58,9 +57,8 @@ def horizon(
     curves: Mapping[str, HorizonCurve],
     levels_um: Mapping[str, float],
     Ts_s: float,
-    title: str,
     lines: Mapping[str, Mapping[str, Any]],
-) -> Figure:
+) -> Picture:
     """Error rms against the horizon, both axes logarithmic, with a horizontal line for each of `levels_um`."""
     fig, axis = style.axes("horizon [ms]", "error rms [µm]")
     for name, curve in curves.items():
@@ -69,12 +67,10 @@ def horizon(
     for name, level_um in levels_um.items():
         style.level(axis, level_um, name)
     style.decimal_ticks(axis)
-    if title:
-        axis.set_title(title)
-        axis.legend(loc="upper left")
-    else:
-        style.legend_above(axis)
-    return fig
+    style.legend_above(axis)
+    ends = "; ".join(f"{name} {curve.rms_um[0]:.2g} to {curve.rms_um[-1]:.2g} µm" for name, curve in curves.items())
+    last = max(curve.steps[-1] for curve in curves.values())
+    return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
 
 
 def times_s(record: Record) -> Floats:
@@ -146,12 +142,6 @@ ZOOM = 0.06
 """Share of the samples that the zoom shows, about the largest error of the last model."""
 
 LEAST_COHERENCE = 0.8
-MOST_LAGS = 200
-BOUND = 2.58
-"""Bound of a correlation of white noise with 99 % probability, in 1/sqrt(n)."""
-
-LEAST_HEIGHT = 0.2
-"""Half the height of a cross-correlation's axis at least, so that noise does not look like a correlation."""
 
 MEASURED: dict[str, Any] = {"color": style.BEHIND, "linewidth": 2.2}
 
@@ -266,48 +256,9 @@ def response_pictures(shown: Simulated) -> list[Picture]:
         axis.xaxis.set_minor_formatter(NullFormatter())
         style.legend_above(axis)
     gains.yaxis.set_major_formatter(FuncFormatter(style.plain_number))
-    gains.yaxis.set_minor_formatter(FuncFormatter(style.three_digits))
+    gains.yaxis.set_minor_formatter(StrMethodFormatter("{x:.3g}"))
     span = f"from {at_Hz[0]:.3g} to {at_Hz[-1]:.3g} Hz" if at_Hz.size else f"nowhere above {LEAST_COHERENCE:g} coherent"
     return [
         Picture("gain", "Gain against frequency", f"Gain {span}: {'; '.join(remarks['gain'])}.", gain),
         Picture("phase", "Phase against frequency", f"Phase {span}: {'; '.join(remarks['phase'])}.", phase),
     ]
-
-
-def correlation_pictures(shown: Simulated) -> list[Picture]:
-    """Autocorrelation of the error of the free run, and its cross-correlation with the voltage."""
-    lags = np.arange(min(MOST_LAGS, shown.t_s.size // 4))
-    u = shown.u_V - shown.u_V.mean()
-    auto, autos = style.axes("lag [samples]", "autocorrelation")
-    cross, crosses = style.axes("lag [samples]", "cross-correlation")
-    last, largest = {}, {}
-    for name in shown.runs:
-        error = shown.error_um(name) - shown.error_um(name).mean()
-        own, other = correlation(error, error, lags), correlation(u, error, lags)
-        autos.plot(lags, own, label=name, **shown.lines[name])
-        crosses.plot(lags, other, label=name, **shown.lines[name])
-        last[name], largest[name] = own[-1], float(np.abs(other).max())
-    bound = BOUND / math.sqrt(shown.t_s.size)
-    for axis in (autos, crosses):
-        axis.axhspan(-bound, bound, color=style.NOTE, alpha=0.3, label="white noise")
-        style.legend_above(axis)
-    autos.set_ylim(min(-LEAST_HEIGHT, *(1.1 * value for value in last.values())), 1.05)
-    height = 1.1 * max(LEAST_HEIGHT, *largest.values())
-    crosses.set_ylim(-height, height)
-    noise = f"; 99 % bound of white noise {bound:.2g}"
-    after = ", ".join(f"{name} {value:.2f}" for name, value in last.items())
-    most = ", ".join(f"{name} {value:.2f}" for name, value in largest.items())
-    own_alt = f"Autocorrelation after {lags[-1]} samples: {after}{noise}."
-    return [
-        Picture("autocorrelation", "Autocorrelation of the error", own_alt, auto),
-        Picture("cross-correlation", "Cross-correlation of voltage and error", f"At most {most}{noise}.", cross),
-    ]
-
-
-def correlation(first: Floats, second: Floats, lags: NDArray[np.intp]) -> Floats:
-    """sum_k first(k) second(k + lag) / sqrt(sum first^2 sum second^2) for each lag >= 0; inputs about their means."""
-    n = first.size
-    size = 2 * n
-    spectrum = np.conj(np.fft.rfft(first, size)) * np.fft.rfft(second, size)
-    scale = math.sqrt(float(first @ first) * float(second @ second)) or 1.0
-    return np.asarray(np.fft.irfft(spectrum, size)[lags] / scale)

@@ -106,11 +106,6 @@ def parts_box(model: Model) -> PartsBox:
     return PartsBox(floats, integers, applied, command, tuple(regressors))
 
 
-def regressor_sizes(model: Model) -> list[float]:
-    """Largest magnitude of every term's regressors, in their order."""
-    return [size for regressors in parts_box(model).regressors for size in regressors]
-
-
 def _rules(model: Model, applied: Interval) -> Interval:
     """Extremes of the rules' consequents over the ranges of y and v; an affine function has them at the corners."""
     y = np.array([model.grid.y_min_um, model.grid.y_max_um])
@@ -160,7 +155,8 @@ def committed_box(model: Model) -> dict[str, Interval]:
     most = {group: _most(banks, group, numbers.strength) for group in ("slope", "offset", "gain")}
     y = max(abs(model.grid.y_min_um), abs(model.grid.y_max_um))
     u = model.w_range.magnitude
-    extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(regressor_sizes(model)))
+    sizes = [size for regressors in parts_box(model).regressors for size in regressors]
+    extra = sum(banks[f"weight[{j}]"].magnitude * size for j, size in enumerate(sizes))
     reach = INTERVAL_EXCESS * (most["slope"] * y + most["offset"] + most["gain"] * u + extra)
     return box | {"y_um": symmetric(reach).hull(box["y_um"]).outwards()}
 
