@@ -250,7 +250,7 @@ def test_isolated_finds_single_and_paired_corrupted_samples_and_no_steps() -> No
     fading_um = 2.0 * 0.9 ** np.arange(60)
     error_um[:60] += fading_um
     error_um[-60:] -= fading_um[::-1]
-    assert np.flatnonzero(outlier_flags(error_um)).tolist() == wrong
+    assert np.flatnonzero(outlier_flags(error_um, 0.0, 0.0 * error_um)).tolist() == wrong
 
 
 def test_jitter_of_the_sampling_instant_corrupts_no_sample() -> None:
@@ -258,7 +258,7 @@ def test_jitter_of_the_sampling_instant_corrupts_no_sample() -> None:
     rng = np.random.default_rng(4)
     moved_um = np.where(np.arange(4000) % 1000 < 200, np.sin(np.arange(4000) / 8.0), 0.0)
     error_um = 1e-4 * rng.normal(size=4000) + 0.05 * rng.normal(size=4000) * np.gradient(moved_um)
-    assert outlier_flags(error_um).sum() > 100, "the error shows no difference"
+    assert outlier_flags(error_um, 0.0, 0.0 * error_um).sum() > 100, "the error shows no difference"
     assert outlier_flags(error_um, 0.0, moved_um).sum() <= 2
     error_um[[500, 1100]] += 0.1
     assert outlier_flags(error_um, 0.0, moved_um)[[500, 1100]].all()
@@ -268,10 +268,10 @@ def test_readings_a_code_apart_are_not_corrupted() -> None:
     """Half of the readings repeat the code before them, so the median deviation is no measure of the scatter."""
     rng = np.random.default_rng(5)
     error_um = np.where(rng.random(3000) < 0.02, 0.01, 0.0)
-    assert outlier_flags(error_um).any(), "the error shows no difference"
-    assert not outlier_flags(error_um, 0.01).any()
+    assert outlier_flags(error_um, 0.0, 0.0 * error_um).any(), "the error shows no difference"
+    assert not outlier_flags(error_um, 0.01, 0.0 * error_um).any()
     error_um[1500] = 0.1
-    assert np.flatnonzero(outlier_flags(error_um, 0.01)).tolist() == [1500]
+    assert np.flatnonzero(outlier_flags(error_um, 0.01, 0.0 * error_um)).tolist() == [1500]
 
 
 @pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])
@@ -300,7 +300,7 @@ def test_a_reading_that_may_be_of_another_instant_is_not_corrupted() -> None:
     error_um = 1e-4 * rng.normal(size=1000)
     stepped = 1 + np.flatnonzero(np.diff(moved_um) > 0.2)
     error_um[stepped] += 0.03
-    assert outlier_flags(error_um)[stepped].all()
+    assert outlier_flags(error_um, 0.0, 0.0 * error_um)[stepped].all()
     assert not outlier_flags(error_um, 0.0, moved_um).any()
     error_um[[60, 700]] += 0.03
     assert np.flatnonzero(outlier_flags(error_um, 0.0, moved_um)).tolist() == [60, 700]

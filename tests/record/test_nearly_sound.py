@@ -225,3 +225,24 @@ def test_coarse_readings_and_rests_are_no_slow_sensor(kind: str) -> None:
     u = 0.025 * np.abs(k % 800 - 400) if kind == "eight bits" else u[k // 10 * 10]
     y = np.rint(0.07 * u / 0.007) * 0.007 if kind == "eight bits" else 0.07 * u
     assert not [line for line in Record.from_arrays(u, y, 1e-3).warnings if "the sensor is read" in line]
+
+
+@pytest.mark.parametrize("offset", [0.0, 100.0])
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("head", ["Zeit{0}Spannung{0}Weg", "time_s{0}voltage_V{0}displacement_um"])
+def test_three_decimals_behind_a_comma_are_no_thousands(
+    head: str, separator: str, offset: float, tmp_path: Path
+) -> None:
+    rows = (separator.join(f"{x + offset:.3f}" for x in row) for row in zip(TIME_S, U_V, Y_UM, strict=True))
+    record = read(tmp_path, "\n".join([head.format(separator), *rows]).replace(".", ","))
+    assert record.Ts_s == pytest.approx(1e-3)
+    np.testing.assert_allclose(record.y_um, Y_UM + offset, atol=6e-4)
+
+
+def test_a_voltage_or_a_sensor_that_stands_alone_and_two_meanings_of_a_comma_are_said(tmp_path: Path) -> None:
+    u_V, y_um = np.where(np.arange(N) == 70, 5000.0, U_V), np.where(np.arange(N) > 150, Y_UM[150], Y_UM)
+    assert any("index 70: voltage_V is 5000 V" in line for line in Record.from_arrays(u_V, Y_UM, 1e-3).warnings)
+    assert any("index 150: displacement_um stands" in line for line in Record.from_arrays(U_V, y_um, 1e-3).warnings)
+    rows = (",".join(f"{x:.4f}".replace(".", ",") for x in row) for row in zip(TIME_S, U_V, Y_UM, strict=True))
+    with pytest.raises(RecordError, match="line 2: has 6 fields, the header half as many; if its decimal signs are"):
+        read(tmp_path, "\n".join(["Zeit,Spannung,Weg", *rows]))

@@ -226,7 +226,8 @@ class Columns:
         """(name in the record, name in the file) of the requested further channels; None if `aux` is None."""
         if self.aux is None:
             return None
-        return tuple((label.strip(), name.strip()) for label, _, name in (_renamed(one) for one in self.aux))
+        pairs = ((text if "=" in text else f"{text}={text}").partition("=") for text in self.aux)
+        return tuple((label.strip(), name.strip()) for label, _, name in pairs)
 
     def remarks(self) -> tuple[str, ...]:
         """A line for each unit that comes from a column's name and is not the base unit."""
@@ -244,10 +245,6 @@ def nearest(name: str, there: Iterable[str]) -> str:
     by_spelling = {one.lower(): one for one in there}
     close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.6)
     return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""
-
-
-def _renamed(text: str) -> tuple[str, str, str]:
-    return text.partition("=") if "=" in text else (text, "", text)
 
 
 def plain_unit(unit: str) -> str:

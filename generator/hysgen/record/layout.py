@@ -128,6 +128,11 @@ def _around(source: str, text: str, lines: list[str], columns: Columns, start: S
         units = beside or units
     by_name = units_by_name(names, units) if names and units else {}
     headed = bool(names)
+    if not headed and above and 2 * len(split(lines[above[-1]], start.separator)) == start.fields:
+        raise RecordError(
+            f"{source}: line {start.at + 1}: has {start.fields} fields, the header half as many; if its decimal signs "
+            "are commas too, save it with semicolons between the columns"
+        )
     if not headed:
         names = tuple(str(position) for position in range(start.fields))
     skipped = start.at - len(above[-1:]) - bool(by_name)
@@ -167,7 +172,10 @@ def _made(
     comma = columns.decimal == "," or (
         columns.decimal is None
         and (separator != "," or '"' in first)
-        and any("," in one and not THOUSANDS[False].fullmatch(one) for one in split(first, separator))
+        and (
+            any("," in one and not THOUSANDS[False].fullmatch(one) for one in split(first, separator))
+            or all("," in one and "." not in one for one in split(first, separator) if one)
+        )
     )
     body = text[sum(len(line) + 1 for line in lines[: at + 1]) :]
     return Layout(source, tuple(names), separator, body, at + 2, comma, True, units, told.Ts_s, remarks)
@@ -196,7 +204,7 @@ def _numbers_follow(lines: list[str], at: int, separator: str, count: int) -> bo
 
 def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> Start | None:
     """The first row of numbers; of several separators, the one by which most fields of most rows are numbers."""
-    best: tuple[float, int, int] = (0.0, 0, 0)
+    best: tuple[float, int, bool, int] = (0.0, 0, False, 0)
     found = None
     for order, separator in enumerate([given] if given else CANDIDATES):
         for comma in (False, True) if columns.decimal is None else (columns.decimal == ",",):
@@ -206,7 +214,9 @@ def _first_numbers(lines: list[str], columns: Columns, given: str | None) -> Sta
             if start is None:
                 continue
             at, fields, numeric, filled = start
-            rank = (numeric / filled, numeric, -order)
+            # Without a comma in each cell of a row, 100,000 is a number of six digits.
+            decimals = comma and all("," in cell and "." not in cell for cell in split(lines[at], separator) if cell)
+            rank = (numeric / filled, numeric, decimals, -order)
             if rank > best:
                 best, found = rank, Start(at, separator, comma, fields)
     return found

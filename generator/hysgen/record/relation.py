@@ -30,6 +30,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from hysgen.record.columns import split_unit
 from hysgen.record.segment import Segment
+from hysgen.record.series import plateaus
 
 Floats = NDArray[np.float64]
 
@@ -207,6 +208,10 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     None if not known yet.
     """
     yield from same_row(runs)
+    yield from lone_voltages(runs)
+    if stuck := [*stands(runs)]:
+        yield from stuck
+        return
     reaction = fed_back(runs)
     if reaction is not None:
         yield (
@@ -243,6 +248,30 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
             f"included: correlation {lag.correlation:.2f} there, {lag.at_zero:.2f} without a shift; if the stage is "
             f"faster, the logs are not aligned: --columns shift={-lag.samples} moves the displacement by all of it"
         )
+
+
+RARE, STUCK, SWEPT = 0.002, 0.05, 0.5
+"""Share of rows whose voltage may be a wrong reading; of rows in which a displacement that stands is stuck, while the
+voltage sweeps this share of its range."""
+
+
+def lone_voltages(runs: Sequence[Segment]) -> Iterator[str]:
+    """A line for a voltage that few rows have, farther off all others than they are from each other."""
+    for run in runs:
+        low, high = np.quantile(run.u_V, (RARE, 1.0 - RARE))
+        rows = np.flatnonzero(np.maximum(low - run.u_V, run.u_V - high) > high - low)
+        if rows.size and high > low:
+            what = f"{run.origin.voltage} is {run.u_V[rows[0]]:.6g} V ({rows.size} such rows)"
+            yield f"{run.origin.at(int(rows[0]))}: {what}, others {low:.6g} .. {high:.6g} V: wrong? Then correct it"
+
+
+def stands(runs: Sequence[Segment]) -> Iterator[str]:
+    """A line for a displacement that stands while the voltage sweeps SWEPT of its range."""
+    for run in runs:
+        for start, stop in plateaus(run.y_um, max(FEWEST, int(STUCK * run.samples))):
+            if np.ptp(run.u_V[start:stop]) > SWEPT * np.ptp(run.u_V):
+                what = f"{run.origin.displacement} stands at {run.y_um[start]:.6g} um for {stop - start} rows"
+                yield f"{run.origin.at(start)}: {what} while the voltage moves: is the sensor stuck? Leave them out"
 
 
 def _following(run: Segment) -> Iterator[str]:

@@ -55,6 +55,8 @@ def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
             cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
             if role == "aux":
                 cure = "give each further channel its own aux=NAME, as aux=a,aux=b"
+            if role == "displacement" and not columns.quantities.other:
+                cure += "; if it holds another quantity, say both, as input=field [mT],output=angle [deg]"
             if role == "time":
                 cure += " or, without time stamps, --columns Ts_s=SECONDS"
             if role != "time" and sum(one not in (columns.time, columns.segment) for one in there) == 1:

@@ -20,8 +20,8 @@ FORTRAN = re.compile(r"(?<=[\d.])(?:[dD]|\*\^)(?=[+-]?\d)")
 _BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}\N{THIN SPACE} "
 _APART = "'\N{RIGHT SINGLE QUOTATION MARK}" + _BLANKS
 THOUSANDS = {
-    False: re.compile(rf"[+-]?\d{{1,3}}(?:(?:,\d{{3}})+|(?:[{_APART}]\d{{3}})+)(?:\.\d*)?"),
-    True: re.compile(rf"[+-]?\d{{1,3}}(?:(?:\.\d{{3}})+,\d*|(?:[{_APART}]\d{{3}})+(?:,\d*)?)"),
+    False: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:(?:,\d{{3}})+|(?:[{_APART}]\d{{3}})+)(?:\.\d*)?"),
+    True: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:(?:\.\d{{3}})+,\d*|(?:[{_APART}]\d{{3}})+(?:,\d*)?)"),
 }
 """Numbers with separators between thousands, by whether the decimal sign is a comma: 1,985.5, 1'985.5, 1 985,5."""
 

@@ -145,8 +145,8 @@ def _igor(text: str) -> str:
 def _labview(text: str) -> str:
     """The names and rows of each part, with units and period in the lines above; headers become blank lines."""
     comma = "\nSeparator\tComma" in text[:4096] or "\nSeparator,Comma" in text[:4096]
-    empty = ("Comment", "X_Value") if re.search(r"\nX_Columns[\t,]No", text[:4096]) else ("Comment",)
-    made, head, inside = [], dict[str, list[str]](), False
+    empty = ("X_Value",) if re.search(r"\nX_Columns[\t,]No", text[:4096]) else ()
+    made, head, inside, count = [], dict[str, list[str]](), False, 0
     for line in text.split("\n"):
         cells = [cell.strip() for cell in line.split("," if comma else "\t")]
         if not inside or not any(cells) or cells[0] == "Channels":
@@ -157,15 +157,13 @@ def _labview(text: str) -> str:
         elif "Channels" in head:
             step, unit = (next(iter(filter(None, head.get(label, []))), "") for label in ("Delta_X", "X_Dimension"))
             known, units = unit in ("", "Time") and step, iter(head.get("Y_Unit_Label", []))
-            above = ["" if name in ("X_Value", "Comment") else f"[{next(units, '')}]" for name in cells]
-            made[-2:] = [
-                f"# Sample Interval: {step}" if known else "",
-                "\t".join(above) if any(map(str.isalpha, "".join(above))) else "",
-            ]
-            made.append("\t".join("" if name in empty else name for name in cells))
+            above = "\t".join("" if name in ("X_Value", "Comment") else f"[{next(units, '')}]" for name in cells)
+            made[-2:] = [f"# Sample Interval: {step}" if known else "", above if re.search(r"\w", above) else ""]
+            count = len(cells) - (cells[-1] == "Comment")
+            made.append("\t".join("" if name in empty else name for name in cells[:count]))
             head = {}
         else:
-            made.append("\t".join(cells))
+            made.append("\t".join(cells[:count]))
     return "\n".join(made)
 
 
@@ -202,7 +200,7 @@ FORMS: tuple[tuple[Callable[[list[str]], bool], Callable[[str], str], str], ...]
     (
         lambda head: head[0].startswith("LabVIEW Measurement"),
         _labview,
-        "is a measurement file of LabVIEW; its parts are segments",
+        "is a measurement file of LabVIEW",
     ),
     (lambda head: head[0].strip() == "IGOR", _igor, "is Igor text; its first block of waves is read"),
     (

@@ -269,7 +269,7 @@ EDGE = 2
 """Samples at either end of a run that are never marked, because they have no neighbours on one side."""
 
 
-def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Floats | None = None) -> Flags:
+def outlier_flags(error_um: Floats, resolution_um: float, predicted_um: Floats) -> Flags:
     """Flags, (n,), of the corrupted samples of one run: single samples or two side by side.
 
         s(k) = e(k) - median(e(k-2), e(k-1), e(k+1), e(k+2)),    |s(k)| > 8 * 1.4826 median |s|
@@ -281,16 +281,16 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
     median at its neighbours. The EDGE samples at either end are never flagged: a transient there would resemble a
     corrupted sample.
     error_um: (n,) residual of a model, so that the motion of the stage is not counted as scatter. resolution_um: of the
-    sensor; the standard deviation is at least resolution_um / sqrt(12). predicted_um: (n,) prediction of the model. If
-    given, the standard deviation is that of the samples at which the prediction moves as fast, because a jitter of the
-    sampling instant adds an error in proportion to the speed; and the limit is at least the move of the prediction in
-    JITTER periods, so that the one sample of a step is no corrupted one.
+    sensor; the standard deviation is at least resolution_um / sqrt(12). predicted_um: (n,) prediction of the model. The
+    standard deviation is that of the samples at which it moves as fast, because a jitter of the sampling instant adds
+    an error in proportion to the speed; the limit is at least the larger move of the prediction to one of both
+    neighbours in JITTER periods, so that the one sample of a step is no corrupted one.
     """
     flags = np.zeros(len(error_um), dtype=bool)
     if len(error_um) < 6:
         return flags
-    group = _speed_groups(error_um if predicted_um is None else predicted_um, predicted_um is not None)
-    move_um = np.zeros(len(error_um)) if predicted_um is None else JITTER * _move_um(predicted_um)
+    group, steps = _speed_groups(predicted_um), JITTER * np.abs(np.diff(predicted_um))
+    move_um = np.maximum(np.append(steps, 0.0), np.append(0.0, steps))
     bridged_um = error_um
     for _ in range(MOST_PASSES):
         more = _deviating(bridged_um, resolution_um / math.sqrt(12.0), group, move_um) & ~flags
@@ -301,12 +301,6 @@ def outlier_flags(error_um: Floats, resolution_um: float = 0.0, predicted_um: Fl
         bridged_um = error_um.copy()
         bridged_um[flags] = np.interp(np.flatnonzero(flags), np.flatnonzero(~flags), error_um[~flags])
     return flags
-
-
-def _move_um(predicted_um: Floats) -> Floats:
-    """(n,) the larger move to one of both neighbours."""
-    steps = np.abs(np.diff(predicted_um))
-    return np.asarray(np.maximum(np.append(steps, 0.0), np.append(0.0, steps)))
 
 
 def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp], move_um: Floats) -> Flags:
@@ -327,10 +321,10 @@ def _deviating(error_um: Floats, least_um: float, group: NDArray[np.intp], move_
     return np.asarray(single | np.append(first, False) | np.append(False, first))
 
 
-def _speed_groups(predicted_um: Floats, known: bool) -> NDArray[np.intp]:
-    """(n,) number of the group of each sample, by the speed of the prediction; one group if it is not known."""
+def _speed_groups(predicted_um: Floats) -> NDArray[np.intp]:
+    """(n,) number of the group of each sample, by the speed of the prediction."""
     n = len(predicted_um)
-    count = max(1, min(SPEED_GROUPS, n // FEWEST_IN_GROUP)) if known else 1
+    count = max(1, min(SPEED_GROUPS, n // FEWEST_IN_GROUP))
     # The deviation of a sample contains the errors of its neighbours.
     speed = maximum_filter1d(np.abs(np.gradient(predicted_um)), 2 * EDGE + 1)
     order = np.argsort(speed, kind="stable")
