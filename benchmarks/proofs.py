@@ -23,11 +23,12 @@ from own_process import alone
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-EVERY: Final = ("init", "limits", "predict", "simulate", "inverse", "learn_init", "learn", "commit")
+EVERY: Final = ()
+"""Every function that is generated."""
 STATES: Final = 44
 """States of the chain of modes that stands beside the models of the tests: 22 modes of two states."""
 
-LEARNER, PAPER, EXTENDED = "sized 6", "shipped appendix_a", "shipped extended"
+LEARNER, PAPER, EXTENDED, CHANNELS = "sized 6", "shipped appendix_a", "shipped extended", "paper small_everything"
 FAULTS: Final[Sequence[tuple[str, str, str, str]]] = (
     # model, function, text of the C, text in its place
     (LEARNER, "learn_init", "self->reference[3u * l] = ", "self->reference[3u * l] = 2.0f * "),
@@ -74,6 +75,8 @@ FAULTS: Final[Sequence[tuple[str, str, str, str]]] = (
         "extended_apply(self, base, sums.gain, per_weight, w)",
         "extended_apply(self, base, sums.gain, per_weight, u)",
     ),
+    (CHANNELS, "aux", "(small_everything_mask(clamped) &", "(small_everything_mask(rejected) &"),
+    (CHANNELS, "aux", "inside - small_everything_coupling_middle[c]", "inside - small_everything_coupling_low[c]"),
 )
 REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
     # model, function, module below hysgen, its text, text in its place
@@ -128,6 +131,7 @@ REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
         "y, clamped = limited(-self.y_um, ",
     ),
     (PAPER, "inverse", "float32.reference.instance", "rejected | refused", "rejected & refused"),
+    (CHANNELS, "aux", "model.disturbances.coupling", "np.where(value > high, high, value)", "value"),
     (
         EXTENDED,
         "predict",

@@ -15,6 +15,7 @@ import pytest
 from fixtures.drawn_models import random_model
 from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
+from fixtures.proof_models import model as proof_model
 from fixtures.tools import library
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.proof.translation import Translation, translation
@@ -26,12 +27,13 @@ from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.codegen import generate
 from hysgen.errors import BuildError, HysgenError
+from hysgen.model.disturbances import channels_of
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 proofs = importlib.import_module("proofs")
 
 FUNCTIONS = ("init", "limits", "predict", "simulate", "inverse")
-LATER_FIRST = ("simulate", "inverse", "predict", "limits", "init")
+LATER_FIRST = ("simulate", "inverse", "predict", "limits", "init", "aux")
 """The calls that reach most lines first."""
 LEARNING = ("learn_init", "learn", "commit")
 
@@ -58,7 +60,8 @@ def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
 @pytest.mark.parametrize(("seed", "complete"), [pytest.param(0, True, marks=pytest.mark.proof), (0, False), (1, False)])
 def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int, complete: bool) -> None:
     model = random_model(seed, complete)
-    assert proved(translation(model, generate(model))) == dict.fromkeys(FUNCTIONS, True), model
+    channels = ["aux"] if channels_of(model.terms) else []
+    assert proved(translation(model, generate(model))) == dict.fromkeys([*FUNCTIONS, *channels], True), model
 
 
 @pytest.mark.slow
@@ -89,6 +92,16 @@ def test_a_fault_of_the_c_is_not_proved(fault: tuple[str, str, str, str]) -> Non
     assert not proof.refused
 
 
+def test_a_generated_function_that_no_proof_knows_is_said() -> None:
+    model = proof_model("small_everything")
+    texts = dict(generate(model))
+    texts[f"{model.name}.c"] += f"\nfloat {model.name}_extra(float x)\n{{\n    return x;\n}}\n"
+    known, unknown, last = translation(model, texts, calls=["aux", "extra"]).lines()
+    assert known.startswith("aux: equal for every input")
+    assert unknown == "extra: not proved: it has no reference"
+    assert last == f"{model.name}: 1 of 2 functions proved"
+
+
 CHANGES = [
     (r" \+ ", " - "),
     (r" - ", " + "),
@@ -108,17 +121,13 @@ def is_statement(line: str) -> bool:
 
 
 def mutants(text: str, count: int) -> list[tuple[str, str]]:
-    """(line, text with this line changed) of `count` statements, spread evenly over the functions that are proved.
-
-    Those of the auxiliary channels are not: no call of the proof reaches `aux`.
-    """
-    lines, function = text.splitlines(), ""
+    """(line, text with this line changed) of `count` statements, spread evenly over the functions."""
+    lines = text.splitlines()
     changed: list[tuple[str, str]] = []
     for number, line in enumerate(lines):
-        function = line if re.match(r"\w.*\(", line) else function
         pattern, new = CHANGES[number % len(CHANGES)]
         mutant = re.sub(pattern, new, line, count=1)
-        if re.search(r"_(channel|listen|aux)\(", function) is None and is_statement(line) and mutant != line:
+        if is_statement(line) and mutant != line:
             changed.append((mutant.strip(), "\n".join([*lines[:number], mutant, *lines[number + 1 :]])))
     return changed[:: max(1, len(changed) // count)]
 

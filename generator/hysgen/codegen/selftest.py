@@ -131,7 +131,7 @@ def learning(model: Model, certificates: Certificates) -> LearningSequence | Non
             aux = [column[k % ROWS : k % ROWS + 1] for column in channels]
             if channels:
                 plant.aux(aux)
-                _listen(learner, instance.channels, aux)
+                learner.aux(aux)
             plant.simulate(u[k : k + 1])
             y_k = special_y[k % ROWS : k % ROWS + 1] if k % 9 == 8 else y_k
             u_k = special_u[k % ROWS : k % ROWS + 1] if k % 16 == 15 else u[k : k + 1]
@@ -149,12 +149,6 @@ def learning(model: Model, certificates: Certificates) -> LearningSequence | Non
         cases=cases,
         most_calls=committer.numbers.points + 8,
     )
-
-
-def _listen(learner: Learner, names: Sequence[str], values: Sequence[NDArray[np.float32]]) -> None:
-    """Set the auxiliary channels of the learner's terms, as `_learn_aux` does."""
-    for term in learner.terms:
-        term.listen(dict(zip(names, values, strict=True)))
 
 
 def _shadows(learner: Learner, own: NDArray[np.float32], age: int) -> list[tuple[NDArray[np.float32], int]]:

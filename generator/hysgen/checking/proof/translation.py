@@ -40,24 +40,30 @@ from hysgen.float32.reference.learner import Learner
 from hysgen.float32.struct_words import Phase
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
+from hysgen.model.structs import Member, Struct
 
 Words = NDArray[np.uint32]
 
-INSTANCE, LEARNER = "t", "learner_t"
+INSTANCE, LEARNER, AUX = "t", "learner_t", "aux"
 CALLS: Final[Mapping[str, tuple[tuple[str, ...], int]]] = {
     "init": ((INSTANCE,), 2),
+    "aux": ((INSTANCE, AUX), 0),
     "limits": ((INSTANCE,), 3),
     "predict": ((INSTANCE,), 2),
     "simulate": ((INSTANCE,), 1),
     "inverse": ((INSTANCE,), 2),
     "learn_init": ((LEARNER, INSTANCE), 0),
+    "learn_aux": ((LEARNER, AUX), 0),
     "learn": ((LEARNER,), 2),
     "commit": ((INSTANCE, LEARNER), 0),
 }
-"""Structs behind the pointers of every function that is proved, and the number of its float arguments."""
+"""Structs, or the auxiliary channels, behind the pointers of every function that is proved, and the number of its float
+arguments. A public function that is generated and not named here is said to be not proved."""
 
-PREFIX: Final[Mapping[str, str]] = {INSTANCE: "", LEARNER: "learner."}
+PREFIX: Final[Mapping[str, str]] = {INSTANCE: "", LEARNER: "learner.", AUX: ""}
 """Before the paths of the words of a struct."""
+
+UNKNOWN: Final = "it has no reference"
 
 FEW_DECISIONS: Final = 8
 """With more `if` statements, the samples rarely pass them all, and equal samples say little."""
@@ -79,10 +85,10 @@ class FunctionProof:
     """
 
     function: str
-    words: int
-    open: tuple[str, ...]
-    solved: int
-    seconds: float
+    words: int = 0
+    open: tuple[str, ...] = ()
+    solved: int = 0
+    seconds: float = 0.0
     difference: str = ""
     refused: str = ""
     cases: int = 1
@@ -135,18 +141,21 @@ def translation(
     calls: Sequence[str] = (),
     progress: Callable[[float, str], None] | None = None,
 ) -> Translation:
-    """Prove every function of CALLS that the texts of `generate` define, or those of `calls` among them.
+    """Prove every public function that the texts of `generate` define, or those of `calls` among them.
 
     Raises ModelError for a part of the model without a box of its states.
     """
     interface = interface_of(model.name, texts)
     source = Source(model.name, texts)
-    names = [name for name in CALLS if interface.has(name) and (not calls or name in calls)]
+    names = [name for name in source.public if not calls or name in calls]
     proofs: list[FunctionProof] = []
     for place, function in enumerate(names):
         if progress is not None:
             progress(place / len(names), f"proof of {function}")
-        proofs.append(_proved(model, source, interface, function))
+        known = function in CALLS
+        proofs.append(
+            _proved(model, source, interface, function) if known else FunctionProof(function, refused=UNKNOWN)
+        )
     return Translation(model.name, importlib.util.find_spec(SOLVER) is not None, tuple(proofs))
 
 
@@ -175,7 +184,7 @@ def _proved(model: Model, source: Source, interface: Any, function: str) -> Func
                         values = f"{path}: {in_c:#010x} in C, {in_reference:#010x} in the reference"
                         difference = f"{values}, for {call.sample(int(wrong[0]))}"
     except KernelRefusalError as refusal:
-        return FunctionProof(function, 0, (), 0, time.monotonic() - begun, refused=str(refusal))
+        return FunctionProof(function, seconds=time.monotonic() - begun, refused=str(refusal))
     seconds = time.monotonic() - begun
     unique = tuple(dict.fromkeys(open_words))
     return FunctionProof(function, words, unique, sweep.decided, seconds, difference, cases=cases)
@@ -187,15 +196,11 @@ class _Call:
     def __init__(self, model: Model, function: str, interface: Interface) -> None:
         self.model, self.function, self.graph = model, function, Graph()
         suffixes, arguments = CALLS[function]
-        self.paths = {
-            suffix: [PREFIX[suffix] + word.path for word in interface.struct(f"{model.name}_{suffix}").words()]
-            for suffix in suffixes
-        }
-        self.types = {
-            PREFIX[suffix] + word.path: word.type
-            for suffix in suffixes
-            for word in interface.struct(f"{model.name}_{suffix}").words()
-        }
+        aux = Struct("", (Member(AUX, "float", "", (interface.channels,)),))
+        structs = [aux if suffix == AUX else interface.struct(f"{model.name}_{suffix}") for suffix in suffixes]
+        words = {suffix: list(struct.words(PREFIX[suffix])) for suffix, struct in zip(suffixes, structs, strict=True)}
+        self.paths = {suffix: [word.path for word in words[suffix]] for suffix in suffixes}
+        self.types = {word.path: word.type for suffix in suffixes for word in words[suffix]}
         ranges = state_ranges(model, function)
         self.ranges = {path: ranges[path] for path in self.types if path in ranges}
         self.arguments = [self.graph.param(k) for k in range(arguments)]
@@ -232,7 +237,7 @@ class _Call:
             return self._learner_reference(before, instance)
         lanes = self._restored(before, instance)
         arguments = [Symbols.of(self.graph, [argument], np.float32) for argument in self.arguments]
-        returned = getattr(lanes, self.function)(*arguments)
+        returned = getattr(lanes, self.function)(*arguments, *self._channels(before))
         expected = self._words(INSTANCE, lanes.words())
         if self.function == "init":
             numbers = [op for group in GROUPS for op in getattr(lanes.numbers.bank, group).ops]
@@ -255,9 +260,10 @@ class _Call:
             }
             return expected | self._words(LEARNER, learner.words()), None
         numeric = Learner(model, instance)
-        if self.function == "learn":
+        if self.function in ("learn", "learn_aux"):
             learner = self._restored(before, numeric)
-            learner.learn(*(Symbols.of(self.graph, [argument], np.float32) for argument in self.arguments))
+            arguments = [Symbols.of(self.graph, [argument], np.float32) for argument in self.arguments]
+            getattr(learner, self.function.removeprefix("learn_"))(*arguments, *self._channels(before))
             return self._words(LEARNER, learner.words()), None
         committer = Committer(commit_numbers(model, instance.numbers, certify(model)), numeric)
         committer = with_symbols(self.graph, committer)
@@ -280,6 +286,11 @@ class _Call:
             paths = [path for bank in (0, 1) for path in before if path.startswith(f"bank[{bank}].{group}[")]
             expected |= dict(zip(paths, coerced(self.graph, rows_of, np.dtype(np.float32)).ops.ravel(), strict=True))
         return expected, coerced(self.graph, returned, np.dtype(np.uint32)).ops.ravel()[0]
+
+    def _channels(self, before: Mapping[str, Op]) -> list[list[Symbols]]:
+        """The samples of the auxiliary channels as the last argument of the reference, of a call that has them."""
+        channels = [Symbols.of(self.graph, [before[path]], np.float32) for path in self.paths.get(AUX, ())]
+        return [channels] if channels else []
 
     def _restored(self, before: Mapping[str, Op], lanes: Any) -> Any:
         """The mirror of a struct with the words before the call and its bank, the active one or the learner's base."""
@@ -353,8 +364,9 @@ class _Call:
         return words
 
     def sample(self, index: int) -> str:
-        """The arguments of a drawn sample."""
-        values = [int(self.drawn(argument)[index]) for argument in self.arguments]
+        """The arguments of a drawn sample, auxiliary channels among them."""
+        given = [*self.arguments, *(self.before[path] for path in self.paths.get(AUX, ()))]
+        values = [int(self.drawn(argument)[index]) for argument in given]
         return "arguments " + ", ".join(f"{value:#010x}" for value in values)
 
 

@@ -163,8 +163,8 @@ class _Execution:
                 values.append(given)
                 continue
             kind = self.source.types.of(parameter.type)
-            assert isinstance(kind, Pointer), f"{function}: {parameter.name} is no pointer"
-            place = self._local(parameter.name, kind.to)
+            assert isinstance(kind, Pointer | Array), f"{function}: {parameter.name} is no pointer"
+            place = self._local(parameter.name, kind.to if isinstance(kind, Pointer) else kind.of)
             for k, word in enumerate(given):
                 self.memory.write(place.at(WORD * k, INTEGER), word)
             structs[parameter.name] = place.memory, len(given)

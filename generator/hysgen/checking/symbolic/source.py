@@ -49,6 +49,12 @@ class Source:
             self.constants[each.name] = following
             following += 1
 
+    @property
+    def public(self) -> list[str]:
+        """Names of the functions that a caller of the C may call, without the model's prefix."""
+        called = [name for name, node in self.functions.items() if "static" not in node.decl.storage]
+        return [name.removeprefix(f"{self.name}_") for name in called]
+
     def aligned(self, pointer: c_ast.Node) -> bool:
         """Whether a pointer is to the learner, which is aligned to 8 bytes where the kernels are used."""
         names = getattr(getattr(pointer.type, "type", None), "names", [])

@@ -15,6 +15,7 @@ the state: initialisation (`<name>_learn_init`), restart, status bits and counte
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,7 @@ class LearnerState(LearnerWords):
     def __init__(self, model: Model, instance: Instance) -> None:
         self.numbers: LearnerNumbers = learner_numbers(model, instance.numbers)
         self.model_numbers = instance.numbers
-        self.base = instance.bank
+        self.base, self.channels = instance.bank, instance.channels
         n, lanes = self.numbers.size, instance.u_V.shape[0]
         starts: dict[Start, Any] = {
             Start.ZERO: _ZERO,
@@ -181,6 +182,12 @@ _LEVEL_ALPHA, _DEAD_ZONE_ALPHA = np.float32(2.0), np.float32(1.25)
 
 class Learner(LearnerState):
     """The recursive least squares of `<name>_learn(self, y, u)`, in every lane."""
+
+    def aux(self, values: Sequence[Floats32]) -> None:
+        """Set the auxiliary channels of the next sample as `<name>_learn_aux`, (lanes,) each, in their order."""
+        named = dict(zip(self.channels, values, strict=True))
+        for term in self.terms:
+            term.listen(named)
 
     def learn(self, y_um: Floats32, u_V: Floats32) -> None:
         """Process sample k, (lanes,) each; the innovation is y(k) minus its prediction from sample k - 1."""

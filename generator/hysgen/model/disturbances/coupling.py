@@ -175,8 +175,8 @@ class ChannelMirror(Mirror):
             value = np.where(finite, np.where(np.abs(aux[name]) < LEAST, np.float32(0.0), aux[name]), middle)
             limited = np.where(value < low, low, np.where(value > high, high, value))
             past[0] = np.where(finite, limited - middle, past[0])
-            status |= np.where(finite, np.uint32(0), np.uint32(Status.AUX_REJECTED))
-            status |= np.where(limited != value, np.uint32(Status.AUX_CLAMPED), np.uint32(0))
+            status = status | np.where(finite, np.uint32(0), np.uint32(Status.AUX_REJECTED))
+            status = status | np.where(limited != value, np.uint32(Status.AUX_CLAMPED), np.uint32(0))
         return status
 
     def regressors(self) -> list[Floats32]:
