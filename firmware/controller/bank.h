@@ -3,7 +3,10 @@
 #ifndef BANK_H
 #define BANK_H
 
+#include "linkage.h"
 #include "model.h"
+
+LINKAGE_BEGIN
 
 static inline void bank_copy(model_bank_t *to, const model_bank_t *from)
 {
@@ -18,5 +21,7 @@ static inline void bank_copy(model_bank_t *to, const model_bank_t *from)
     }
 #endif
 }
+
+LINKAGE_END
 
 #endif

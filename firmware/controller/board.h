@@ -9,6 +9,9 @@
 #include <stdint.h>
 
 #include "board_type.h"
+#include "linkage.h"
+
+LINKAGE_BEGIN
 
 #define BOARD_AMPLIFIER_LIMITS  0x1u  /* the amplifier is at its current or voltage limit */
 #define BOARD_AMPLIFIER_FAILED  0x2u  /* the amplifier reports a fault, or is not on (yet) */
@@ -69,5 +72,7 @@ uint32_t hysgen_board_line_write(board_t *board, const uint8_t *bytes, uint32_t 
 void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count);
 void hysgen_board_store_erase(board_t *board, uint32_t slot);
 uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count);
+
+LINKAGE_END
 
 #endif

@@ -5,6 +5,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 static inline uint32_t bytes_word(const uint8_t *at)
 {
     return (uint32_t)at[0] | ((uint32_t)at[1] << 8) | ((uint32_t)at[2] << 16) | ((uint32_t)at[3] << 24);
@@ -17,5 +21,7 @@ static inline void bytes_put(uint8_t *at, uint32_t word)
     at[2] = (uint8_t)((word >> 16) & 0xFFu);
     at[3] = (uint8_t)((word >> 24) & 0xFFu);
 }
+
+LINKAGE_END
 
 #endif

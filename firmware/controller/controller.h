@@ -20,12 +20,15 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
 #include "model.h"
 #include "play.h"
 #include "settings.h"
 #include "status.h"
 #include "trim.h"
 #include "watchdog.h"
+
+LINKAGE_BEGIN
 
 typedef enum {
     CONTROLLER_OFF = 0,
@@ -118,5 +121,7 @@ void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overru
 /* Parameters for the next start; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
  * start begins inside it. */
 uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank);
+
+LINKAGE_END
 
 #endif

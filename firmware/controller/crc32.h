@@ -6,6 +6,12 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 uint32_t hysgen_crc32(const uint8_t *bytes, uint32_t count);
+
+LINKAGE_END
 
 #endif

@@ -8,7 +8,10 @@
 #include "board.h"
 #include "controller.h"
 #include "link.h"
+#include "linkage.h"
 #include "store.h"
+
+LINKAGE_BEGIN
 
 typedef struct {
     controller_t controller;
@@ -52,5 +55,7 @@ void hysgen_firmware_idle(firmware_t *self, board_t *board);
 
 /* For the handler of exceptions and NMI: amplifier off, at any time. The D/A keeps its voltage: in one step to another a stage rings. */
 void hysgen_firmware_panic(const firmware_t *self, board_t *board);
+
+LINKAGE_END
 
 #endif

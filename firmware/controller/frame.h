@@ -10,6 +10,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 #define FRAME_PAYLOAD  128u                   /* longest payload, bytes */
 #define FRAME_BYTES    (FRAME_PAYLOAD + 4u)   /* with its CRC; below 254, where COBS needs a second code byte */
 #define FRAME_WIRE     (FRAME_BYTES + 2u)     /* the same on the line */
@@ -30,5 +34,7 @@ uint32_t hysgen_frame_take(frame_t *self, uint8_t byte);
 
 /* The frame of `count` bytes, at most FRAME_PAYLOAD, in `wire`; returns its length on the line. */
 uint32_t hysgen_frame_make(const uint8_t *payload, uint32_t count, uint8_t wire[FRAME_WIRE]);
+
+LINKAGE_END
 
 #endif

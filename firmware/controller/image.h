@@ -23,7 +23,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
 #include "model.h"
+
+LINKAGE_BEGIN
 
 #define IMAGE_MAGIC    0x49535948u
 #define IMAGE_VERSION  2u
@@ -78,5 +81,7 @@ uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_
 
 /* Word i of the image. */
 uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i);
+
+LINKAGE_END
 
 #endif

@@ -9,6 +9,9 @@
 #include <stdint.h>
 
 #include "frame.h"
+#include "linkage.h"
+
+LINKAGE_BEGIN
 
 #define LINK_VERSION    3u
 #define LINK_STATUS     1u  /* no data; answer: LINK_STATUS_WORDS words, see firmware.c */
@@ -52,5 +55,7 @@ void hysgen_link_add_text(link_t *self, const char *text);
 
 /* Make the frame of the answer. */
 void hysgen_link_close(link_t *self);
+
+LINKAGE_END
 
 #endif

@@ -5,6 +5,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 #define NUMBER_NAN 0x7FC00000u  /* bits of a quiet NaN */
 #define NUMBER_LARGEST 3.0e38f
 
@@ -42,5 +46,7 @@ static inline float number_limited(float x, float low, float high)
 
     return (raised <= high) ? raised : high;
 }
+
+LINKAGE_END
 
 #endif

@@ -11,6 +11,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 #define PLAY_NONE 0u
 
 typedef struct {
@@ -27,5 +31,7 @@ float hysgen_play_voltage(const play_t *self, uint32_t k);
 
 /* The next word becomes its reading [um], which may be NaN. */
 void hysgen_play_record(play_t *self, float y_um);
+
+LINKAGE_END
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 #define SETTINGS_TRIM   0x1u  /* feedback trim */
 #define SETTINGS_LEARN  0x2u  /* on-line learning, with commit */
 #define SETTINGS_NO_OFFSET  0x8u  /* the offset of HOLD is held against offset_um, and not used: for a model without memory */
@@ -60,5 +64,7 @@ typedef struct {
  * model's range or slower than a second; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and
  * a half of the model's gain (tests/firmware/test_trim.py). */
 const char *hysgen_settings_check(const settings_t *settings);
+
+LINKAGE_END
 
 #endif

@@ -7,8 +7,14 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 /* The tag of `count` bytes: tag[0] the low word, tag[1] the high one; key[0] holds the key's first four bytes, the first of them
  * in its low bits. */
 void hysgen_siphash(const uint32_t key[4], const uint8_t *bytes, uint32_t count, uint32_t tag[2]);
+
+LINKAGE_END
 
 #endif

@@ -11,6 +11,9 @@
 
 #include "board.h"
 #include "image.h"
+#include "linkage.h"
+
+LINKAGE_BEGIN
 
 #define STORE_SEAL_OFFSET  (BOARD_SLOT_BYTES - 16u)
 #define STORE_SEAL_MAGIC   0x4C414553u
@@ -34,5 +37,7 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
  * brings an old image back. Returns
  * IMAGE_GOOD, or why not: then neither the slot in use nor *bank has changed. */
 uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count);
+
+LINKAGE_END
 
 #endif

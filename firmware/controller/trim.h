@@ -11,7 +11,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
 #include "settings.h"
+
+LINKAGE_BEGIN
 
 typedef struct {
     float correction_um;
@@ -22,5 +25,7 @@ void hysgen_trim_init(trim_t *self);
 /* One sample. limited: 1 if the output cannot raise the displacement further, -1 if it cannot lower it, 0 else. Returns 1 if the correction
  * is at its limit. */
 uint32_t hysgen_trim_step(trim_t *self, const settings_t *settings, float residual_um, int32_t limited);
+
+LINKAGE_END
 
 #endif

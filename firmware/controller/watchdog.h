@@ -5,7 +5,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
 #include "settings.h"
+
+LINKAGE_BEGIN
 
 /* A leaky count: +1 per bad sample, -1 per WATCHDOG_LEAK good ones. With 8, a lasting share of bad samples above one in
  * nine reaches any limit, in whatever pattern they come, while seven bad samples in a row are forgotten after 56 good
@@ -67,5 +70,7 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
 
 /* Cycles that the interrupt took, and whether it overran. Returns STATUS_ bits. */
 uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun);
+
+LINKAGE_END
 
 #endif

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import functools
 import re
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +15,13 @@ import pytest
 
 from fixtures.board_drivers import Chip
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
+from fixtures.tools import need
+from hysgen.codegen import write
 from hysgen.codegen.manifest import c_files
 from hysgen.firmware.binding import (
     CONTROLLER,
     EMPTY_STORE,
+    HOST_BOARD,
     SIMULATOR_BOARD,
     TARGET_BOARD,
     build_id,
@@ -172,6 +177,26 @@ def test_the_text_of_a_start_says_every_fault() -> None:
     assert library.lib.samples == 9, "interrupt 4 runs the instance that was booted"
 
 
+@pytest.mark.parametrize("folder", [HOST_BOARD, SIMULATOR_BOARD, TARGET_BOARD])
+def test_cpp_takes_every_header_alone_and_twice_and_calls_every_function_by_its_name_in_c(
+    folder: str, tmp_path: Path
+) -> None:
+    need("g++")
+    sources = [*read_sources(CONTROLLER, "*.h"), *read_sources(folder, "*.h"), *generated().items()]
+    headers = {name: text for name, text in sources if name.endswith(".h") and "selftest_data" not in name}
+    write(headers, tmp_path)
+    for name, text in headers.items():
+        code = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+        functions = set(re.findall(r"\b(\w+)\([^()]*\)(?:;|\n\{)", code))
+        taken = "".join(f"reinterpret_cast<void *>(&{function}), " for function in functions)
+        caller = f'#include "{name}"\n' * 2 + f"extern void *taken[];\nvoid *taken[] = {{ {taken}nullptr }};\n"
+        (tmp_path / "caller.cpp").write_text(caller)
+        flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-c", "caller.cpp")
+        made = subprocess.run(["g++", *flags], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert made.stderr == ""
+        assert b"_Z" not in (tmp_path / "caller.o").read_bytes(), f"{name}: names of C++"
+
+
 @pytest.mark.parametrize(("answer", "text"), [(1, "\r\nPLL0 DOES NOT START\r\n"), (2, "\r\nNO POWER FOR A DEVICE\r\n")])
 def test_a_chip_that_does_not_start_is_said_and_nothing_runs(answer: int, text: str) -> None:
     library = main_alone()
@@ -288,17 +313,8 @@ def test_the_empty_store_reads_as_erased_and_keeps_nothing() -> None:
 def test_start_up_sets_every_register_whatever_a_boot_loader_has_left() -> None:
     chip = Chip(started=False)
     state = chip.state
-    for name in (
-        "uart_ier",
-        "uart_mcr",
-        "uart_mdr",
-        "uart_fcr",
-        "spi_gcr0",
-        "spi_gcr1",
-        "spi_pc0",
-        "spi_delay",
-        "spi_def",
-    ):
+    registers = "uart_ier uart_mcr uart_mdr uart_fcr spi_gcr0 spi_gcr1 spi_pc0 spi_delay spi_def"
+    for name in registers.split():
         setattr(state, name, 0x5555_5555)
     state.pinmux, state.emifa_config = [0xFFFFFFFF] * 20, [0x3FFF_FFFF] * 2
     state.timer_period, state.timer_tcr = [[77, 77], [77, 77]], [0x80, 0x80]
@@ -312,13 +328,8 @@ def test_start_up_sets_every_register_whatever_a_boot_loader_has_left() -> None:
     prescale = state.spi_fmt0 >> 8 & 0xFF
     assert (187.5e6 / (prescale + 1) < 10e6 <= 187.5e6 / prescale, state.spi_fmt0 >> 24) == (True, 10)
     # Strobes of 5 + 1 and 7 + 1 clocks of 10.7 ns, 16 bits.
-    fields = [
-        [
-            config >> place & mask
-            for place, mask in ((26, 15), (20, 63), (17, 7), (13, 15), (7, 63), (4, 7), (2, 3), (0, 3))
-        ]
-        for config in state.emifa_config
-    ]
+    places = ((26, 15), (20, 63), (17, 7), (13, 15), (7, 63), (4, 7), (2, 3), (0, 3))
+    fields = [[config >> place & mask for place, mask in places] for config in state.emifa_config]
     assert fields == [[0, 4, 1, 0, 6, 1, 2, 1]] * 2
     assert [chip.load(PLL + place) for place in (0x160, 0x168)] == [0x8003, 0x8000]
     assert state.cfgchip0 & 0x10 == 0

@@ -85,7 +85,7 @@ def firmware() -> Firmware:
         board[file] = board[file].replace(old, new.replace("PLANT", f"(drivers_planted == {number}u)"))
     for file in {file for file, *_ in PLANTED.values()}:
         board[file] = "#include <stdint.h>\nextern uint32_t drivers_planted;\n" + board[file]
-    own = {name: text for name, text in read_sources(CONTROLLER) if name in ("board.h", "number.h")}
+    own = dict(read_sources(CONTROLLER, "board.h", "number.h", "linkage.h"))
     own["model.h"] = "#define MODEL_PERIOD_NS 20000u\n"
     script = dict(read_sources(TARGET_BOARD, "*.ld"))["c6748.ld"]
     return toolchain.compile([*board.items(), *own.items()], script=script)

@@ -7,6 +7,9 @@
 #include <stdint.h>
 
 #include "chip.h"
+#include "linkage.h"
+
+LINKAGE_BEGIN
 
 /* Converters on the EMIFA bus, 16 bits each. On TI's LCDK chip select 3 is the NAND flash.
  *
@@ -65,5 +68,7 @@ typedef struct {
 
 /* Cycle counter, timer and interrupt: 50 kHz from here on. */
 void hysgen_board_start(board_t *board);
+
+LINKAGE_END
 
 #endif

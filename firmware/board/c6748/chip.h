@@ -8,6 +8,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 /* Fill in: the crystal. 375 MHz need 25 MHz; from the 24 MHz of TI's LCDK and EVM the PLL makes 360 MHz at most, 7200 cycles in 20 us. */
 #define CHIP_OSCILLATOR_HZ   25000000u
 #define CHIP_MULTIPLIER      15u          /* PLL0: 375 MHz, inside 300 .. 600 */
@@ -104,5 +108,7 @@ void hysgen_chip_pulse(uint32_t outputs);
 
 /* Timer64P0 as one 32-bit timer of `period` oscillator ticks, to interrupt 4 and, as a pulse of 4 ticks, to its pin. */
 void hysgen_chip_start_sampling(uint32_t period);
+
+LINKAGE_END
 
 #endif

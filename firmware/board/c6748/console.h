@@ -8,6 +8,10 @@
 
 #include <stdint.h>
 
+#include "linkage.h"
+
+LINKAGE_BEGIN
+
 void hysgen_console_text(const char *text);
 
 /* A number in decimal digits, and as eight hexadecimal ones. */
@@ -16,5 +20,7 @@ void hysgen_console_word(uint32_t word);
 
 /* End of the text. */
 void hysgen_console_end(void);
+
+LINKAGE_END
 
 #endif

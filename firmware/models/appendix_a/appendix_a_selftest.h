@@ -8,8 +8,10 @@
 
 /** Runs every function over fixed inputs and compares results, status words and counters with those of the reference,
  * bit for bit. Needs no library.
- *
  * @return the number of mismatches: 0 if all is well */
+#ifdef __cplusplus
+extern "C"
+#endif
 uint32_t appendix_a_selftest(void);
 
 #endif

@@ -27,6 +27,7 @@ from hysgen.model.path import preview
 Floats32 = NDArray[np.float32]
 
 HEADERS: Final = (
+    "linkage.h",
     "board_type.h",
     "settings.h",
     "status.h",
