@@ -262,14 +262,8 @@ def test_what_is_not_modelled_matters_only_when_reached(interpreted: bool) -> No
         ("or .L1 0,a4,a5\n|| or .L1 0,a6,a7", "unit L1 used 2 times"),
         ("ldw .D1T1 *+a8(0),a4\n|| stw .D2T1 a5,*+b8(0)", "data path T1 used 2 times"),
         ("ldnw .D1T1 *+a8(0),a4\n|| ldw .D2T2 *+b8(0),b4", "data path T2 used 2 times"),
-        (
-            "addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| or .D1 0,a4,a7",
-            "register read port of a4 used 5 times",
-        ),
-        (
-            "addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| stw .D1T1 a4,*+a8(0)",
-            "register read port of a4 used 5 times",
-        ),
+        ("addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| or .D1 0,a4,a7", "register read port of a4 used 5 times"),
+        ("addsp .L1 a4,a4,a5\n|| addsp .S1 a4,a4,a6\n|| stw .D1T1 a4,*+a8(0)", "register read port of a4 used 5 times"),
         ("or .L1X 0,b4,a5\n|| or .S1X 0,b5,a6", "cross path 1X would have to carry b4 and b5"),
         ("or .L1X 0,b4,a5\n|| or .S1X 0,b4,a6\n|| or .D1X 0,b4,a7", "cross path 1X serves 3 units"),
         ("or .L1 0,b4,a5", "b4 is out of reach of unit L1"),
