@@ -26,6 +26,15 @@ def add_model(parser: argparse.ArgumentParser, shipped: str = "appendix_a, appen
     parser.add_argument("model", metavar="MODEL", help=f"model file, or a shipped one: {shipped}")
 
 
+def add_predict_only(parser: argparse.ArgumentParser) -> None:
+    """--predict-only."""
+    parser.add_argument(
+        "--predict-only",
+        action="store_true",
+        help="a hysteresis that may fall where the voltage rises: it predicts, and its C has no inverse",
+    )
+
+
 def add_folder(parser: argparse.ArgumentParser) -> None:
     """DIR, a folder of generated C."""
     parser.add_argument("folder", metavar="DIR", help="folder that `hysgen generate` wrote")

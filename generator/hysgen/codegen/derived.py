@@ -104,6 +104,11 @@ class Derived:
                 f"{gain:.3g} um/{scale.w_unit}; give --no-inverse, or --force"
             )
 
+    @property
+    def predict_only(self) -> bool:
+        """Whether the model was fitted for predictions alone (`FitSettings.rising`): then there is no inverse."""
+        return self.model.history.get("fit", {}).get("rising") is False
+
     def require_inverse(self) -> None:
         """Raise CertificateError, with place and value, if Eq. (11) is singular or the path has no inverse."""
         certificates, name = self.certificates, self.model.name

@@ -9,7 +9,7 @@ what no model can know is taken out of both errors (`hysgen.model.remaining`), t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,6 +37,13 @@ class Price:
 
     cycles: int
     bytes: int
+
+    @classmethod
+    def between(cls, before: Price | None, after: Price | None) -> Price | None:
+        """Price of one rung; None if no C can be generated for one of the two models."""
+        if before is None or after is None:
+            return None
+        return cls(after.cycles - before.cycles, after.bytes - before.bytes)
 
 
 @dataclass(frozen=True)
@@ -203,6 +210,10 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+WORTH_THE_INVERSE = 0.8
+"""Own figure of a model without an inverse, over that of the model, up to which it is spoken of: a finer form of a
+hysteresis that rises gains some percent on any record."""
+
 AT_THE_NOISE = 1.5
 """Own figure over the noise up to which nothing is left, and over that of the probe up to which both are as good."""
 
@@ -254,15 +265,27 @@ class Left:
 
 
 def left_over(
-    prepared: Prepared, chain: Chain, extensions: Mapping[str, Extension], model: Remaining, noise_um: float
+    prepared: Prepared,
+    chain: Chain,
+    extensions: Mapping[str, Extension],
+    model: Remaining,
+    noise_um: float,
+    falling: Callable[[], Remaining],
 ) -> Left:
-    """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves."""
+    """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves.
+
+    falling: what is left where the hysteresis need not rise, asked where something is left.
+    """
     probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
+    reason = _reason(model.rms_um, probe.rms_um, noise_um)
+    left = model.rms_um > AT_THE_NOISE * noise_um
+    if left and (without_um := falling().rms_um) <= WORTH_THE_INVERSE * model.rms_um:
+        reason = f"a hysteresis that may fall leaves {without_um:.3g} um, and has no inverse (--predict-only)"
     return Left(
         model.rms_um,
         model.rms_um / max(noise_um, 1e-300),
         probe.rms_um,
-        _reason(model.rms_um, probe.rms_um, noise_um),
+        reason,
         model.taken,
     )
 

@@ -138,7 +138,7 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     if size is not None and relaxation:
         size = dataclasses.replace(size, relaxation=relaxation)
     task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
-    content = tuple(extension.content for extension in chosen)
+    content = (settings.rising, *(extension.content for extension in chosen))
     trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
     return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust)))
 

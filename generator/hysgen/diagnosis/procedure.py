@@ -351,10 +351,11 @@ def _scored(
                 bayes=naming.found.bayes.get(name),
                 probe_gain=naming.found.error_growth.get(name),
                 share=parts.get(name, 0.0) / above if above > 0.0 else 0.0,
-                price=_difference(prices[i], prices[j]) if name in made else None,
+                price=Price.between(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
             )
         )
+    freer = dataclasses.replace(settings.fit, rising=False)
     steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
     return Diagnosis(
         causes=tuple(named),
@@ -369,7 +370,14 @@ def _scored(
         base_rms_um=cold[0],
         extended_rms_um=cold[-1],
         base_own_um=levels[0],
-        remaining=left_over(prepared, naming.found.fit.chain, naming.extensions, found[-1], noise.rms_um),
+        remaining=left_over(
+            prepared,
+            naming.found.fit.chain,
+            naming.extensions,
+            found[-1],
+            noise.rms_um,
+            lambda: _left(naming, _rung(naming, freer, agreed), found[-1]),
+        ),
         noise=noise,
         persistence_um=rms(steps[held]),
         unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above if above > 0.0 else 0.0,
@@ -382,19 +390,11 @@ def _scored(
 
 
 def _left_by_rungs(naming: Naming, rungs: Sequence[Rung]) -> list[Remaining]:
-    """`left_by` of every rung; wrong readings and sudden changes of the record are those that the last one shows."""
-
-    def left(rung: Rung, beside: Remaining | None) -> Remaining:
-        extensions = _extensions_for(naming, rung.causes)
-        own = {name: extensions[name] for name in rung.causes}
-        return left_by(naming.prepared, own, rung.error_um, beside)
-
-    last = left(rungs[-1], None)
-    return [*(left(rung, last) for rung in rungs[:-1]), last]
+    """`_left` of every rung; wrong readings and sudden changes of the record are those that the last one shows."""
+    last = _left(naming, rungs[-1], None)
+    return [*(_left(naming, rung, last) for rung in rungs[:-1]), last]
 
 
-def _difference(before: Price | None, after: Price | None) -> Price | None:
-    """Price of one rung; None if no C can be generated for one of the two models."""
-    if before is None or after is None:
-        return None
-    return Price(after.cycles - before.cycles, after.bytes - before.bytes)
+def _left(naming: Naming, rung: Rung, beside: Remaining | None) -> Remaining:
+    extensions = _extensions_for(naming, rung.causes)
+    return left_by(naming.prepared, {name: extensions[name] for name in rung.causes}, rung.error_um, beside)

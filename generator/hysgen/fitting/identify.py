@@ -112,6 +112,7 @@ def path_task(record: Record, settings: FitSettings, whole: Record | None = None
         lags_s=tuple(lags_s),
         size=settings.memory or CURVE,
         past=settings.past,
+        rising=settings.rising,
         name=settings.name,
     )
 

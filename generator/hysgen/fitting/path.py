@@ -10,6 +10,7 @@ A stage never moves against its input. Noise and rows that a record does not vis
 and then h has no inverse; so dh/dv >= LEAST_SLOPE times the mean slope is required along the record's own path and
 along a path of random turns over the whole range, in both directions at every point. Plays that relax must have
 densities that are nowhere negative: then the slope is at least that of the curve for every past (`density_slopes`).
+Of a stage that does move against its input only predictions are asked, and nothing is required (`FitSettings.rising`).
 Source of the constrained solution: Lawson and Hanson, Solving Least Squares Problems (1974), chapter 23.
 """
 
@@ -273,7 +274,7 @@ def _scaled(columns: Floats, kept: _Kept, size: PathSize) -> tuple[Floats, Float
 
 
 def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) -> Floats:
-    """(p,) weights of the columns of least error with a rising h (falling, if the stage falls with the voltage)."""
+    """(p,) weights of the columns of least error; h rises where it must (falls, for a stage that falls with it)."""
     R, d, scale = _triangular(columns, kept, task.size)
     weights = np.linalg.solve(R, d) / scale
     slopes = np.vstack([operator.slopes(path) for path in _paths(task, operator)])
@@ -281,6 +282,8 @@ def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) ->
     sign, mean = float(np.sign(np.median(middle))), abs(float(np.median(middle)))
     if mean == 0.0:
         raise FitError(f"{task.record.source}: the displacement does not answer to the voltage; record with more drive")
+    if not task.rising:
+        return np.asarray(weights)
     floor = np.full(len(slopes), LEAST_SLOPE)
     if operator.relaxation:
         slopes, part = operator.density_slopes()

@@ -34,7 +34,7 @@ class PathTask:
     """What a path is fitted to.
 
     blocks: all blocks but the hysteresis. lags_s: starting values for the lag of the rules; modes bring their own.
-    past: as of `FitSettings`.
+    past, rising: as of `FitSettings`.
     whole: record of all commands that are known in advance; the grid covers the response to them.
     """
 
@@ -47,6 +47,7 @@ class PathTask:
     lags_s: tuple[float, ...]
     size: PathSize
     past: tuple[float, float] | None = None
+    rising: bool = True
     name: str = "stage"
 
 

@@ -35,6 +35,8 @@ class FitSettings:
     path is fitted, behind which the rules start as one lag (`fitting.path`).
     past: voltage in V at which the stage rested before a segment, and how long before its first row in s it left that
     level; None: it rested where the segment starts. What creep goes on adding is not the model's.
+    rising: whether the hysteresis of the path rises with the voltage after every past. One that may fall predicts
+    alone: it has no inverse.
     lag_s: time constant from which this lag is searched; None: the best of several.
     settle: burn-in, the samples at the start of each segment that are simulated but not scored in the refinement,
     because the state of the terms before the record is unknown; None: samples have a reduced weight until the terms no
@@ -58,6 +60,7 @@ class FitSettings:
     blocks: tuple[InputBlock, ...] = ()
     memory: PathSize | None = None
     past: tuple[float, float] | None = None
+    rising: bool = True
     lag_s: float | None = None
     settle: int | None = None
     certified: bool = True
@@ -92,7 +95,7 @@ class FitSettings:
         return Weighting(self.forgetting, self.alpha, self.epsilon, trust, starts)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; without terms and blocks, which the model itself contains."""
+        """Plain JSON values; without terms and blocks, which the model itself contains; `rising` where it is not."""
         return {
             "method": self.method,
             "rules": self.rules,
@@ -105,7 +108,7 @@ class FitSettings:
             "slope_limit": self.slope_limit,
             "iterations": self.iterations,
             "memory": None if self.memory is None else self.memory.to_json(),
-        }
+        } | ({} if self.rising else {"rising": False})
 
 
 def _demand(holds: bool, field: str, value: object, domain: str) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hysgen.api.diagnosing import diagnose, next_experiment, scored_extension
 from hysgen.cli.console import Console, command_line
-from hysgen.cli.options import add_record_options, parse_rows, read_records
+from hysgen.cli.options import add_predict_only, add_record_options, parse_rows, read_records
 from hysgen.cli.outputs import Output, check_files
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
@@ -46,6 +46,7 @@ def diagnose_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="make every named extension, also those that gain less than 2 %% on rows left out of the fit",
     )
+    add_predict_only(parser)
     parser.add_argument("--rules", type=int, default=FitSettings().rules, help="fuzzy rules L (default %(default)s)")
     parser.add_argument(
         "--sensor-uncertainty",
@@ -61,7 +62,7 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
     record = read_records(arguments.records, arguments, console, gated=True)
     holdout = read_records(arguments.holdout, arguments, console, gated=True) if arguments.holdout else None
     name = c_name(arguments.output) if arguments.output else "stage"
-    fitted = FitSettings(name=name, rules=arguments.rules)
+    fitted = FitSettings(name=name, rules=arguments.rules, rising=not arguments.predict_only)
     settings = DiagnoseSettings(fit=fitted, keep_all=arguments.keep_all, resume=True)
     if arguments.rows:
         start, stop = parse_rows(arguments.rows, record.samples, record.Ts_s)

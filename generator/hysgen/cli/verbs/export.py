@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.check is not None and (arguments.check < 1 or not chosen.ways):
         runs = ", ".join(export.name for export in exports().values() if export.ways)
         raise HysgenError(f"--check N compares at least 1 sample of a target that runs: {runs}")
-    options = code_options(arguments)
+    options = code_options(arguments, model)
     folder = Path(arguments.output)
     others = folder.is_dir() and any(folder.iterdir()) and not (folder / "model" / MANIFEST).exists()
     if others and not arguments.force:

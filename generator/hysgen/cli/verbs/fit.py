@@ -11,6 +11,7 @@ from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import (
     add_learner_options,
     add_model,
+    add_predict_only,
     add_record_options,
     parse_rows,
     read_records,
@@ -90,6 +91,7 @@ def fit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--uncertified", action="store_true", help="do not keep the fit inside the models whose certificates hold"
     )
+    add_predict_only(parser)
     add_learner_options(parser)
     add_record_options(parser)
 
@@ -119,6 +121,7 @@ def run_fit(arguments: argparse.Namespace, console: Console) -> int:
         margin=arguments.margin,
         input_range_V=tuple(arguments.input_range) if arguments.input_range else None,
         memory=_size(arguments),
+        rising=not arguments.predict_only,
         certified=not arguments.uncertified,
     )
     if not 2 <= settings.rules <= MOST_RULES:

@@ -88,8 +88,8 @@ def add_code_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def code_options(arguments: argparse.Namespace) -> Options:
-    """The options of the generated code. Raises HysgenError for a text of --cycles that is not FUNCTION=N,..."""
+def code_options(arguments: argparse.Namespace, model: Model) -> Options:
+    """The options of a model's generated code. Raises HysgenError for a text of --cycles that is not FUNCTION=N,..."""
     cycles: dict[str, int] = {}
     for part in filter(None, arguments.cycles.split(",")):
         function, equals, number = part.partition("=")
@@ -99,7 +99,8 @@ def code_options(arguments: argparse.Namespace) -> Options:
     clock = CLOCK_HZ if arguments.clock is None else arguments.clock
     if not clock > 0.0 or (arguments.budget is not None and arguments.budget < 1):
         raise HysgenError("--clock and --budget are positive; give the clock in Hz and the budget in cycles")
-    return Options(not arguments.no_inverse, clock, cycles, arguments.budget, forced=arguments.force)
+    inverse = not (arguments.no_inverse or Derived(model).predict_only)
+    return Options(inverse, clock, cycles, arguments.budget, forced=arguments.force)
 
 
 def run_generate(arguments: argparse.Namespace, console: Console) -> int:
@@ -109,7 +110,7 @@ def run_generate(arguments: argparse.Namespace, console: Console) -> int:
         raise HysgenError(
             f"--assembler {arguments.assembler} is the syntax of the kernels' file; add --kernels {known}"
         )
-    options = dataclasses.replace(code_options(arguments), aligned=bool(arguments.kernels))
+    options = dataclasses.replace(code_options(arguments, model), aligned=bool(arguments.kernels))
     code = generate(model, options)
     if arguments.kernels:
         code = with_kernels(code, arguments.kernels, arguments.assembler)
