@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 
 import hysgen
 from fixtures.generated_models import diagnosed, everything, learning, smooth
+from hysgen.api.code import generate_again
 from hysgen.cli import main
 from hysgen.codegen import Options, derived, generate, write
 from hysgen.codegen.manifest import MANIFEST, read_folder, stale
@@ -171,7 +172,10 @@ def test_a_model_that_does_harm_has_no_c_of_any_kind_without_force(
         assert re.search(r"half the noise|next to nothing", capsys.readouterr().err), call
     assert [path.name for path in tmp_path.iterdir()] == ["m.json"]
     Path("k").write_text(32 * "5")
-    assert hysgen.generate(harmful, force=True).texts
+    code = hysgen.generate(harmful, force=True)
+    with pytest.raises(HysgenError, match=r"half the noise|next to nothing"):
+        generate_again(harmful, code.write("again"))
+    assert generate_again(harmful, "again", force=True).texts == code.texts
     assert main(["image", "m.json", "-o", "i", "--key", "k", "--force"]) == 0
 
 

@@ -88,13 +88,13 @@ def _as_before(model: Model, folder: Path) -> tuple[Model, Options | None]:
     return model, Options(inverse, clock_Hz, measured, options.get("budget_cycles"), aligned)
 
 
-def generate_again(model: Model, folder: str | Path) -> Generated:
+def generate_again(model: Model, folder: str | Path, force: bool = False) -> Generated:
     """The C of a new model with the learner, ranges, options, kernels and assemblers of the folder of the old one.
 
     Raises HysgenError if the folder holds the C of a model of another name, and as `generate` does.
     """
     model, options = _as_before(model_of(model), Path(folder))
-    code = generate(model, options)
+    code = generate(model, options, force)
     if options is None or not options.aligned:
         return code
     target, assembler = with_kernels_in(model.name, read_folder(Path(folder)).texts)

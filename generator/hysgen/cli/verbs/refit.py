@@ -76,7 +76,7 @@ def run_refit(arguments: argparse.Namespace, console: Console) -> int:
         save_model(new, Path(arguments.output))
         console.say(f"written: {arguments.output}")
         if arguments.c:
-            result["c"] = regenerate(new, Path(arguments.c), console)
+            result["c"] = regenerate(new, Path(arguments.c), console, arguments.force)
             good = good and result["c"]["equal"]
     else:
         console.say("nothing is written (--anyway writes the model all the same)")
@@ -105,9 +105,9 @@ def explain(old: Model, record: Record, console: Console) -> dict[str, Any]:
     return study.diagnosis.to_json() | {"lacking": lacking}
 
 
-def regenerate(model: Model, folder: Path, console: Console) -> dict[str, Any]:
+def regenerate(model: Model, folder: Path, console: Console, force: bool) -> dict[str, Any]:
     """Write the C of the new model into its folder and compare it with its reference. Returns the result as JSON."""
-    code = generate_again(model, folder)
+    code = generate_again(model, folder, force)
     for line in code.warnings:
         console.warn(line)
     changed = [item.name for item in stale(code.texts, folder)]
