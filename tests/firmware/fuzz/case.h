@@ -20,6 +20,12 @@ typedef struct {
     uint32_t apart;            /* interrupts in a row in which model and stage are apart and no fault is told */
     uint32_t tracked;          /* interrupts in TRACK with a sound sensor since START */
     uint32_t lied;             /* the sensor repeated or invented a believable reading since START */
+    float drift;               /* of the sensor, from the first sample of TRACK on: per sample, */
+    uint32_t drifts_offset;    /* in um, else a share of the displacement */
+    uint32_t drifted;          /* samples of drift since START, 0: the sensor is sound */
+    float wrong_um;            /* what the reading that waits is wrong by */
+    uint32_t spoiled;          /* START did not begin with the built-in parameters, or a fault of the board came since */
+    uint32_t untold;           /* interrupts in a row in which the drift is too large and no fault is told */
     uint32_t same_bits;        /* reading that changed last, */
     float same_V;              /* voltage then, */
     uint32_t same;             /* and readings since then */

@@ -12,6 +12,8 @@
 /* Between two numbers below 128 V a sum is rounded by at most 2^-18 V. */
 #define ROUNDING_V 4.0e-6f
 #define ROUNDING_UM 1.0e-4f
+#define NOISE_UM    1.0e-3f
+#define CALM        16u
 
 uint8_t fuzz_image[FUZZ_IMAGES][IMAGE_BYTES];
 model_bank_t fuzz_bank[FUZZ_IMAGES];
@@ -43,12 +45,15 @@ uint32_t fuzz_image_bytes(void)
     return IMAGE_BYTES;
 }
 
-/* The stage holds u_V for a period; returns its displacement through a noisy sensor. */
+/* The stage holds u_V for a period; returns its displacement through a noisy sensor, which may drift by a half. */
 static double stage_step(void *plant, double u_V)
 {
     fuzz_t *self = plant;
+    const float y_um = model_simulate(&self->stage, (float)u_V);
+    const float share = number_limited(self->drift * (float)self->drifted, -0.5f, 0.5f);
 
-    return (double)model_simulate(&self->stage, (float)u_V) + 1.0e-4 * (double)fuzz_float(self, -1.0f, 1.0f);
+    self->wrong_um = (self->drifts_offset != 0u) ? share : share * y_um;
+    return (double)y_um + (double)self->wrong_um + 1.0e-4 * (double)fuzz_float(self, -1.0f, 1.0f);
 }
 
 /* Parameters of the next start: number of the image that holds them, FUZZ_IMAGES for the built-in ones, FUZZ_IMAGES + 1 for others. */
@@ -151,6 +156,27 @@ static uint32_t broken_tracking(fuzz_t *self)
     return broken;
 }
 
+/* A sensor that drifts from the first sample of TRACK on is told once its reading has been wrong by more than follow_um for follow_samples,
+ * whatever trim and learning make of it: the stage is the model of START. wrong_um: of the reading of this interrupt. */
+static uint32_t broken_drift(fuzz_t *self, float wrong_um)
+{
+    const controller_t *controller = &self->firmware.controller;
+    const uint32_t tracks = (uint32_t)((controller->state == CONTROLLER_TRACK) && ((controller->status & STATUS_FAULTS) == 0u));
+    const uint32_t far = (uint32_t)(number_size(wrong_um - controller->offset_um) > controller->watchdog.follow_um + NOISE_UM);
+
+    if ((hysgen_controller_drives(controller) == 0u) || (controller->state == CONTROLLER_POWER)) {
+        self->drifted = 0u;
+        self->spoiled = (uint32_t)(parameters_of(self, &controller->bank) != FUZZ_IMAGES);
+    }
+    self->spoiled |= (uint32_t)(self->board.fault != HOST_FAULT_NONE);
+    if ((self->drift != 0.0f) && ((tracks | self->drifted) != 0u)) {
+        self->drifted += 1u;
+        self->lied = 1u;
+    }
+    self->untold = ((tracks & far) != 0u) && (self->spoiled == 0u) ? self->untold + 1u : 0u;
+    return (self->untold > self->settings.follow_samples + 2u) ? FUZZ_DRIFT : 0u;
+}
+
 /* Features of this interrupt: the state's change and each bit of the status word in this state. */
 static void reach(fuzz_t *self)
 {
@@ -182,6 +208,7 @@ static void interrupt(fuzz_t *self)
     const uint32_t asked = self->firmware.controller.request;
     const float before_V = self->board.output_V;
     const float y_um = self->board.reading_um;
+    const float wrong_um = self->wrong_um;
     const controller_t *controller = &self->firmware.controller;
 
     self->reference_um[0] = fuzz_reference(self);
@@ -197,6 +224,7 @@ static void interrupt(fuzz_t *self)
     if (self->refused == 0u) {
         self->broken |= broken_stuck(self, before_V);
         self->broken |= broken_tracking(self);
+        self->broken |= broken_drift(self, wrong_um);
     }
     reach(self);
 }
@@ -211,6 +239,8 @@ static void boot(fuzz_t *self)
     self->refused = (uint32_t)(self->firmware.settings_wrong != 0);
     self->board.output_V = self->firmware.controller.output_V;
     self->apart = 0u;
+    self->untold = 0u;
+    self->drifted = 0u;
     self->lied = 0u;
     self->same_bits = number_bits(self->board.reading_um);
     self->same_V = self->board.output_V;
@@ -287,6 +317,11 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     fuzz_reached = features;
     self.random = seed * 0x9E3779B97F4A7C15u + 0x1234567u;
     (void)fuzz_word(&self);
+    /* Every sixteenth sensor drifts, by a half in 500 to 8000 samples either way, in a long case of few events. */
+    self.drift = ((seed & 15u) == 15u) ? 0.001f / (float)(1u + ((seed >> 6) & 15u)) : 0.0f;
+    self.drift = ((seed & 16u) != 0u) ? self.drift : -self.drift;
+    self.drifts_offset = (uint32_t)(seed >> 5) & 1u;
+    interrupts *= (self.drift != 0.0f) ? CALM : 1u;
     fuzz_settings(&self);
     memset(self.board.store, 0xFF, sizeof self.board.store);
     for (uint32_t i = 0u; i < 16u; ++i) {
@@ -302,7 +337,7 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     self.stored = FUZZ_IMAGES;
     ask(&self);
     while ((self.k < interrupts) && (self.broken == 0u)) {
-        if (fuzz_below(&self, 60u) == 0u) {
+        if (fuzz_below(&self, (self.drift != 0.0f) ? 60u * CALM : 60u) == 0u) {
             fuzz_event(&self);
         }
         interrupt(&self);

@@ -17,7 +17,8 @@
 #define FUZZ_STUCK       0x100u /* the input moved by stuck_V while the reading repeated itself, and no fault was told */
 #define FUZZ_STATUS      0x200u /* a bit of the status word disappeared without CLEAR */
 #define FUZZ_ARMED       0x400u /* the amplifier is on without a START since it was off, or behind a reset under power without CLEAR */
-#define FUZZ_INVARIANTS  11u
+#define FUZZ_DRIFT       0x800u /* TRACK, a sensor that drifts: it is wrong by more than follow_um, without a fault in time */
+#define FUZZ_INVARIANTS  12u
 
 #define FUZZ_IMAGES      4u     /* images 0 to FUZZ_GOOD - 1 are certified, the others are refused */
 #define FUZZ_GOOD        3u
