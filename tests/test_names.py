@@ -311,7 +311,7 @@ def test_a_name_that_is_taken_is_refused() -> None:
     for name in (*TAKEN, "Upper", "with-dash"):
         with pytest.raises(ModelError, match=r"^name: "):
             dataclasses.replace(model, name=name)
-    with pytest.raises(FitError, match=r"^name: float "):
+    with pytest.raises(FitError, match=r"^name: 'float' is a word"):
         FitSettings(name="float")
 
 

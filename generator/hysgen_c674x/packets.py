@@ -93,7 +93,7 @@ def _check(group: list[Instruction], actions: tuple[Action, ...]) -> None:
     units = Counter(instruction.unit.name for instruction in group if instruction.unit)
     _refuse_excess(here, "unit", units, 1)
     _refuse_excess(here, "data path", Counter(_data_paths(group, actions)), 1)
-    reads = Counter(str(register) for each in actions for register in _reads(each))
+    reads = Counter(str(register) for each in actions for register in operands(each, ports=True))
     _refuse_excess(here, "register read port of", reads, _READS_PER_REGISTER)
     if sum(_idle(each) > 0 for each in actions) > 1:
         raise TargetError(f"{here}: two instructions of the packet request idle cycles")
@@ -126,11 +126,14 @@ def _data_paths(group: list[Instruction], actions: tuple[Action, ...]) -> Iterat
             yield from ("T1", "T2") if unaligned else (f"T{instruction.unit.path}",)
 
 
-def _reads(each: Action) -> Iterator[Register]:
-    """Registers read through operand ports; predicates and the destination of mvkh and addk have their own ports."""
+def operands(each: Action, ports: bool = False) -> Iterator[Register]:
+    """Registers that an action reads, besides its predicate; ports: through operand ports.
+
+    The destination of mvkh and addk has a port of its own.
+    """
     match each:
         case Compute(mnemonic=mnemonic, sources=sources):
-            printed = sources[:-1] if mnemonic in READS_DESTINATION else sources
+            printed = sources[:-1] if ports and mnemonic in READS_DESTINATION else sources
             yield from (source for source in printed if isinstance(source, Register))
         case Access(memory=memory):
             yield memory.base
@@ -147,7 +150,7 @@ def _reads(each: Action) -> Iterator[Register]:
 def _cross_reads(instruction: Instruction, each: Action) -> Iterator[Register]:
     unit = instruction.unit
     if unit and unit.cross:
-        yield from (register for register in _reads(each) if register.side != unit.side)
+        yield from (register for register in operands(each, ports=True) if register.side != unit.side)
 
 
 def _check_cross_paths(group: list[Instruction], actions: tuple[Action, ...]) -> None:
@@ -171,7 +174,7 @@ def _check_sides(instruction: Instruction, each: Action) -> None:
         return
     match each:
         case Compute(destination=destination):
-            own = [destination] if unit.cross else [destination, *_reads(each)]
+            own = [destination] if unit.cross else [destination, *operands(each, ports=True)]
         case Access(memory=memory):
             own = [memory.base] if isinstance(memory.offset, int) else [memory.base, memory.offset]
             for register in each.registers:

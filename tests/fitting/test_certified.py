@@ -72,15 +72,14 @@ def test_batch_is_plain_least_squares_where_that_is_certified() -> None:
 @pytest.mark.parametrize("terms", [(), (Periodic((70.0,)),)])
 def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
     one_step, allowed = problem(narrow_record(1), FitSettings(terms=terms))
-    found = least_squares_inside(one_step.R, one_step.d, allowed)
-    best = found.x
     free = one_step.solve()
+    best = least_squares_inside(one_step.R, one_step.d, allowed.violated, 0.0 * free).x
     assert one_step.square(best) > one_step.square(free)
     # Convex: moving from the solution towards any other certified point must not help.
     rng = np.random.default_rng(0)
     for _ in range(15):
         target = free + rng.normal(size=best.size) * np.abs(free - best)
-        other = least_squares_inside(np.eye(best.size), target, allowed).x
+        other = least_squares_inside(np.eye(best.size), target, allowed.violated, 0.0 * free).x
         assert allowed.violated(other).floor.size == 0
         for part in (1e-3, 0.1, 1.0):
             # 1e-6 of a limit may be violated, so a neighbour may be better by about as little.
@@ -89,15 +88,16 @@ def test_the_solution_is_the_best_of_the_certified_set(terms: Any) -> None:
 
 def test_active_half_spaces_of_one_solution_save_rounds_in_a_similar_task(monkeypatch: pytest.MonkeyPatch) -> None:
     one_step, allowed = problem(narrow_record(1), FitSettings(rules=12))
-    edges = least_squares_inside(one_step.R, one_step.d, allowed).edges
+    origin = np.zeros(one_step.d.size)
+    edges = least_squares_inside(one_step.R, one_step.d, allowed.violated, origin).edges
     assert 0 < edges.floor.size <= one_step.d.size
     nearby = one_step.d * (1.0 + 1e-3 * np.random.default_rng(0).normal(size=one_step.d.size))
     rounds = []
     violated = CertifiedSet.violated
     monkeypatch.setattr(CertifiedSet, "violated", lambda this, q: rounds.append(q) or violated(this, q))
-    alone = least_squares_inside(one_step.R, nearby, allowed).x
+    alone = least_squares_inside(one_step.R, nearby, allowed.violated, origin).x
     cold = len(rounds)
-    warm = least_squares_inside(one_step.R, nearby, allowed, edges=edges).x
+    warm = least_squares_inside(one_step.R, nearby, allowed.violated, origin, edges).x
     assert len(rounds) - cold < 0.85 * cold
     # And it leads to the same place; 1e-6 of a limit may be violated.
     np.testing.assert_allclose(one_step.R @ warm, one_step.R @ alone, atol=1e-5 * np.linalg.norm(one_step.d))

@@ -181,7 +181,9 @@ def _best_inside(
 ) -> tuple[Model, dict[str, object]]:
     """The model of least error in the set `allowed`, and the outcome for its history."""
     one_step, settings = task.one_step, task.settings
-    start = one_step.solve() if allowed is None else least_squares_inside(one_step.R, one_step.d, allowed).x
+    start = one_step.solve()
+    if allowed is not None:
+        start = least_squares_inside(one_step.R, one_step.d, allowed.violated, np.zeros(start.size)).x
     model = _model(task.record, settings, task.structure, start)
     outcome: dict[str, object] = {}
     if allowed is not None:

@@ -34,6 +34,7 @@ from __future__ import annotations
 
 import functools
 import operator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -235,11 +236,11 @@ class HalfSpaces:
     def __add__(self, other: HalfSpaces) -> HalfSpaces:
         return HalfSpaces(np.vstack([self.rows, other.rows]), np.concatenate([self.floor, other.floor]))
 
-    def violated(self, q: Floats, most: int = 24) -> HalfSpaces:
-        """The half-spaces that q violates, at most the `most` worst."""
+    def violated(self, q: Floats, most: int = 24, least: float = VIOLATION) -> HalfSpaces:
+        """The half-spaces that q violates by more than `least`, at most the `most` worst."""
         depth = self.floor - self.rows @ q
         worst = np.argsort(-depth, kind="stable")[:most]
-        worst = worst[depth[worst] > VIOLATION]
+        worst = worst[depth[worst] > least]
         return HalfSpaces(self.rows[worst], self.floor[worst])
 
     def steps_from(self, q: Floats, size: int) -> HalfSpaces:
@@ -306,15 +307,15 @@ class Inside:
 
 
 def least_squares_inside(
-    R: Floats, d: Floats, allowed: CertifiedSet, origin: Floats | None = None, edges: HalfSpaces | None = None
+    R: Floats, d: Floats, violated: Callable[[Floats], HalfSpaces], start: Floats, edges: HalfSpaces | None = None
 ) -> Inside:
-    """The x that minimises ||R x - d|| with origin + x inside the set. R: (n, n) upper triangular, regular.
+    """The x that minimises ||R x - d|| with start + x inside a set. R: (n, n) upper triangular, regular.
 
-    The set limits the first p elements of x; further elements are free. Starts with the half-spaces `edges` (default:
-    none) and adds those that the solution violates, until it violates none; `edges` change the number of rounds and not
-    the solution. Raises FitError if there is no solution: the limits contradict each other.
+    violated: half-spaces that hold the set and not a point, none of a point inside. start: (p,); the set limits the
+    first p elements of x, further ones are free. Starts with the half-spaces `edges` (default: none) and adds those
+    that the solution violates, until it violates none; `edges` change the number of rounds and not the solution.
+    Raises FitError if there is no solution: the limits contradict each other.
     """
-    start = np.zeros(allowed.structure.size) if origin is None else origin
     # With z = R x - d the task is min ||z||, G z >= h, G = rows R^-1, h = floor - G d.
     inverse = np.asarray(solve_triangular(R, np.eye(d.size)))
     imposed = HalfSpaces(np.zeros((0, start.size)), np.zeros(0)) if edges is None else edges
@@ -323,10 +324,10 @@ def least_squares_inside(
         G = away.rows @ inverse
         z, active = least_distance(G, away.floor - G @ d)
         x = np.asarray(solve_triangular(R, z + d))
-        violated = allowed.violated(start + x[: start.size])
-        if violated.floor.size == 0:
+        outside = violated(start + x[: start.size])
+        if outside.floor.size == 0:
             return Inside(x, HalfSpaces(imposed.rows[active], imposed.floor[active]))
-        imposed = imposed + violated
+        imposed = imposed + outside
     raise FitError(
         "no certified model lies near the least-squares fit; choose fewer rules, or allow uncertified models"
     )

@@ -19,6 +19,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from scipy.optimize import minimize_scalar
 
 from hysgen.certify.path_inverse import strokes, turning_points
 from hysgen.errors import FitError
-from hysgen.fitting.least_squares import HalfSpaces, least_distance, windows
+from hysgen.fitting.least_squares import HalfSpaces, least_squares_inside, windows
 from hysgen.fitting.operator import SEARCHED, Operator, PathSize
 from hysgen.fitting.path_regressors import (
     HeldWindow,
@@ -65,8 +66,8 @@ FADING = 250
 PATH_SAMPLES = 3000
 """Points of the record's path at which the slope is checked."""
 
-ROUNDS, ADDED = 200, 30
-"""Rounds of adding violated slopes, and slopes added in each."""
+ADDED = 30
+"""Violated slopes that are added in a round."""
 
 LATEST_COVERED = 0.3
 """Largest share of a segment that is left out until the input has covered its range."""
@@ -288,20 +289,13 @@ def _solved(task: PathTask, operator: Operator, columns: Floats, kept: _Kept) ->
     if operator.relaxation:
         slopes, part = operator.density_slopes()
         floor = LEAST_SLOPE * part
-    imposed = HalfSpaces(np.zeros((0, R.shape[0])), np.zeros(0))
-    for _ in range(ROUNDS):
-        depth = floor - sign * (slopes @ weights[: operator.size]) / mean
-        worst = np.argsort(-depth, kind="stable")[:ADDED]
-        worst = worst[depth[worst] > 1e-4]
-        if not worst.size:
-            return np.asarray(weights)
-        rows = np.zeros((worst.size, R.shape[0]))
-        rows[:, : operator.size] = sign * slopes[worst] / (mean * scale[: operator.size])
-        imposed = imposed + HalfSpaces(rows, floor[worst])
-        inverse = np.linalg.inv(R)
-        z, _ = least_distance(imposed.rows @ inverse, imposed.floor - imposed.rows @ inverse @ d)
-        weights = inverse @ (z + d) / scale
-    raise FitError(f"{task.record.source}: no rising hysteresis lies near the record; it may not be a stage's response")
+    rising = HalfSpaces(sign * slopes / (mean * scale[: operator.size]), floor)
+    violated = partial(rising.violated, most=ADDED, least=1e-4)
+    try:
+        return least_squares_inside(R, d, violated, np.zeros(operator.size)).x / scale
+    except FitError as fault:
+        message = "no rising hysteresis lies near the record; it may not be a stage's response"
+        raise FitError(f"{task.record.source}: {message}") from fault
 
 
 def _paths(task: PathTask, operator: Operator) -> list[Floats]:

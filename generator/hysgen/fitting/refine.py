@@ -224,7 +224,7 @@ def _step(
     d = -solve_triangular(R, now.gradient / scale, trans="T")
     if allowed is None:
         return np.asarray(solve_triangular(R, d) / scale), None
-    inside = least_squares_inside(R * scale, d, allowed, parameters, edges)
+    inside = least_squares_inside(R * scale, d, allowed.violated, parameters, edges)
     return inside.x, inside.edges
 
 

@@ -11,7 +11,7 @@ from hysgen.errors import FitError
 from hysgen.fitting.least_squares import Weighting
 from hysgen.fitting.operator import PathSize
 from hysgen.model.disturbances import Term
-from hysgen.model.names import is_taken
+from hysgen.model.names import fault_of_name
 from hysgen.model.path import InputBlock
 from hysgen.model.regression import Starts, Trust
 
@@ -70,7 +70,8 @@ class FitSettings:
     def __post_init__(self) -> None:
         if self.method not in get_args(Method):
             raise FitError(f"method: {self.method!r} is unknown; choose one of {', '.join(get_args(Method))}")
-        _demand(not is_taken(self.name), "name", self.name, "no word, header or type of C, nor a file of hysgen's")
+        if fault := fault_of_name(self.name):
+            raise FitError(fault)
         for field, kind in (("rules", "whole"), ("iterations", "whole"), *((one, "real") for one in REALS)):
             value = getattr(self, field)
             if not isinstance(value, numbers.Integral if kind == "whole" else numbers.Real):

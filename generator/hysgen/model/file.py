@@ -31,24 +31,6 @@ SUFFIX = ".json"
 Kind = TypeVar("Kind")
 KINDS = {"dict": "an object", "list": "a list", "str": "a string", "int": "a whole number"}
 
-_FIELDS = (
-    "schema",
-    "version",
-    "name",
-    "units",
-    "Ts_s",
-    "grid",
-    "input_range_V",
-    "consequents",
-    "terms",
-    "weights",
-    "blocks",
-    "learner",
-    "history",
-    "scores",
-    "certificates",
-)
-
 
 def dump_model(model: Model) -> str:
     """The text of the model file. Raises ModelError if history, scores or certificates contain non-JSON values."""
@@ -126,12 +108,10 @@ def _model(data: Mapping[str, Any]) -> Model:
         raise ModelError(f"schema: {data.get('schema')!r} instead of {SCHEMA!r}; this is not a model file")
     if data.get("version") != VERSION:
         raise ModelError(f"version: {data.get('version')!r} is not {VERSION}; read it with the hysgen that wrote it")
-    for unknown in data.keys() - set(_FIELDS):
-        raise ModelError(f"{unknown}: no such field in version {VERSION}; remove it")
     grid = _as(dict, _get(data, "grid"), "grid")
     input_range = _numbers(_get(data, "input_range_V"), "input_range_V", 2)
     rules = _as(int, _get(grid, "rules", "grid."), "grid.rules")
-    return Model(
+    model = Model(
         name=_as(str, _get(data, "name"), "name"),
         Ts_s=_number(_get(data, "Ts_s"), "Ts_s"),
         grid=Grid(
@@ -157,6 +137,9 @@ def _model(data: Mapping[str, Any]) -> Model:
         scores=_as(dict, _get(data, "scores"), "scores"),
         certificates=_as(dict, _get(data, "certificates"), "certificates"),
     )
+    for unknown in data.keys() - model.to_json().keys():
+        raise ModelError(f"{unknown}: no such field in version {VERSION}; remove it")
+    return model
 
 
 def _centres_range(value: Any) -> tuple[float, float]:

@@ -25,7 +25,7 @@ from hysgen.model import simulate
 from hysgen.model.disturbances import Term
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
-from hysgen.model.names import is_taken
+from hysgen.model.names import fault_of_name
 from hysgen.model.path import InputBlock, check_chain, path_range
 
 Floats = NDArray[np.float64]
@@ -136,12 +136,8 @@ class Model(Displayed):
     certificates: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not self.name.isidentifier() or not self.name.isascii() or self.name != self.name.lower():
-            raise ModelError(f"name: {self.name!r} cannot prefix C functions; use lower-case letters, digits and _")
-        if is_taken(self.name):
-            raise ModelError(
-                f"name: {self.name!r} is a word, header or type of C or a file of hysgen's; choose another"
-            )
+        if fault := fault_of_name(self.name):
+            raise ModelError(fault)
         if self.consequents.shape != (self.grid.rules, 3):
             raise ModelError(
                 f"consequents: shape {self.consequents.shape} does not fit {self.grid.rules} rules; "

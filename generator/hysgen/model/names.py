@@ -53,6 +53,14 @@ linkage main model number play settings siphash status store trim watchdog watch
 TAKEN: Final = frozenset(f"{_WORDS} {_HEADERS} {_TYPES} {_OURS}".split())
 
 
+def fault_of_name(name: str) -> str:
+    """Why a model cannot be called so, "" if it can."""
+    if not name.isidentifier() or not name.isascii() or name != name.lower():
+        return f"name: {name!r} cannot prefix C functions; use lower-case letters, digits and _"
+    taken = f"name: {name!r} is a word, header or type of C or a file of hysgen's; choose another"
+    return taken if is_taken(name) else ""
+
+
 def is_taken(name: str) -> bool:
     """Whether generated C of this name would collide with C, C++, POSIX, hysgen's own files or another model's."""
     return (

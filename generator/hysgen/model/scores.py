@@ -125,13 +125,7 @@ class Score:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {
-            "e_rms_um": self.e_rms_um,
-            "largest_um": self.largest_um,
-            "e_r_percent": self.e_r_percent,
-            "of_span_percent": self.of_span_percent,
-            "samples": self.samples,
-        }
+        return dataclasses.asdict(self)
 
 
 @dataclass(frozen=True, repr=False)

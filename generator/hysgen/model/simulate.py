@@ -21,6 +21,7 @@ from hysgen.errors import ModelError, RecordError
 from hysgen.machine.kernels import run
 from hysgen.machine.kernels.run import Rules
 from hysgen.model.disturbances import Drive
+from hysgen.model.part import to_plain
 from hysgen.model.path import applied
 from hysgen.model.regression import Starts, drives_of, structure_of, term_output
 from hysgen.record import Record, Segment
@@ -55,12 +56,7 @@ class HorizonCurve:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return {
-            "steps": list(self.steps),
-            "rms_um": list(self.rms_um),
-            "largest_um": list(self.largest_um),
-            "starts": list(self.starts),
-        }
+        return to_plain(self)
 
 
 def rules_of(model: Model) -> Rules:

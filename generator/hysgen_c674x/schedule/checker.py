@@ -8,7 +8,7 @@ arrive earlier.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -28,7 +28,7 @@ from hysgen_c674x.decode import (
 )
 from hysgen_c674x.elf import ProgramImage
 from hysgen_c674x.latency import BRANCH_DELAY
-from hysgen_c674x.packets import Packet
+from hysgen_c674x.packets import Packet, operands
 
 _LINK, _STACK = 32 + 3, 32 + 15
 _PRESERVED: Final = frozenset({*range(10, 16), *range(32 + 10, 32 + 16), _LINK})
@@ -148,7 +148,7 @@ class _Inspection:
                 if guard.register.index not in _GUARDS:
                     self._found("predicate", f"{guard.register} cannot be tested")
                 self._read(guard.register, cycle, False)
-            for register in _operands(action):
+            for register in operands(action):
                 crosses = instruction.unit is not None and register.side != instruction.unit.side
                 self._read(register, cycle, crosses and not isinstance(action, Access))
         defined = set(self.values) | {register for register, flying in self.flying.items() if flying}
@@ -261,18 +261,3 @@ class _Inspection:
             self._found("stack", "an address on the stack that is not constant")
             return None
         return _Stack(base.offset + action.memory.sign * offset * (action.size if action.memory.scaled else 1))
-
-
-def _operands(action: Action) -> Iterable[Register]:
-    """Registers that an action reads, besides its predicate."""
-    match action:
-        case Compute(sources=sources):
-            yield from (each for each in sources if isinstance(each, Register))
-        case Access(memory=memory):
-            yield memory.base
-            if isinstance(memory.offset, Register):
-                yield memory.offset
-            if isinstance(action, Store):
-                yield from action.registers
-        case Jump(target=Register() as target):
-            yield target

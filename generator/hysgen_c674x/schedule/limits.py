@@ -77,16 +77,5 @@ def _cost(source: Source, function: str, scheduled: toolchain.Firmware, portable
 def kernel_table(costs: list[KernelCost]) -> str:
     """The costs as a table."""
     head = ["kernel", "cycles", "C by gcc", "at least: multipliers", "adders", "loads and stores", "latencies"]
-    rows = [
-        [
-            each.function,
-            f"{each.scheduled}",
-            "-" if each.in_c is None else f"{each.in_c}",
-            f"{each.multipliers}",
-            f"{each.adders}",
-            f"{each.accesses}",
-            f"{each.chain}",
-        ]
-        for each in costs
-    ]
+    rows = [["-" if value is None else f"{value}" for value in asdict(cost).values()] for cost in costs]
     return "\n" + table(head, rows)
