@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fixtures.bank_records import built, measured, prepared_of, record_of
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart, GainChange
+from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart, Trend
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import blockwise_confidence, combined_confidence, fit_ladder, gain
@@ -19,6 +20,7 @@ from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import search
 from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
+from hysgen.machine.kernels.operators import lag_states
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.studies.bank.excitation import good
@@ -93,6 +95,40 @@ def test_a_drift_that_comes_and_goes_is_no_line() -> None:
     # Straight pieces of half a second round the corners of an exponential of 0.4 s off by a tenth of its height.
     assert np.std(moved[50:]) < 0.007
     assert drift.at(2.0 * t_s[-1:]) == pytest.approx(drift.level_um)
+
+
+STOOD_V = 15.0
+
+
+def started(first_V: float) -> Record:
+    """Bouc-Wen's hysteresis with slow states behind it that stood at STOOD_V until the record starts at first_V."""
+    Ts_s, rng = 2e-4, np.random.default_rng(7)
+    u_V = good(rng, 6000, 0.0, 100.0)
+    u_V[:200] = first_V
+    before_V = np.concatenate([np.full(3000, STOOD_V), u_V])
+    z, w_um = 0.0, np.empty(len(before_V))
+    for k, step_V in enumerate(np.diff(before_V, prepend=before_V[0])):
+        pieces = int(abs(step_V) / 0.5) + 1
+        for _ in range(pieces):
+            z += step_V / pieces * (1.0 - np.abs(z / 18.0) ** 1.5 * np.sign(z * step_V))
+        w_um[k] = 0.055 * before_V[k] + 0.02 * z
+    slow = -np.expm1(-Ts_s / (4e-3 * 4.0 ** np.arange(7)))
+    states = lag_states(w_um, slow, np.full(7, w_um[0]))
+    x_um = w_um + 0.004 * states.sum(axis=1)
+    y_um = lag_states(x_um, np.array([0.2]), x_um[:1])[3000:, 0] + 2e-3 * rng.standard_normal(6000)
+    return Record.from_arrays(u_V, y_um, Ts_s)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("first_V", "stood_V"), [(80.0, pytest.approx(STOOD_V, abs=5.0)), (STOOD_V, None)])
+def test_a_record_that_starts_with_a_jump_has_the_creep_of_the_level_of_its_first_reading(
+    first_V: float, stood_V: float | None
+) -> None:
+    """Two free parameters of an unknown past make creep less likely than a drift, and are not needed here."""
+    named = name_causes(started(first_V))
+    assert named.names == ("memory", "creep")
+    part = named.found.fit.chain.of(CreepPart)
+    assert (part.first_V, part.past_V) == (stood_V, None)
 
 
 @pytest.mark.slow

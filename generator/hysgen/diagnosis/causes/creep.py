@@ -45,7 +45,8 @@ class CreepPart(Part):
 
     The block with FITTED_PER_DECADE states, up to 100 times the length of the run. Before the record the stage rested
     at the voltage past_V, and past_s before the first sample it moved to where the record starts; None: it rested
-    there. Whatever moved it, it stayed within the range of the record: a free past would take a drift beside creep.
+    at first_V until the first sample, or where the record starts. Whatever moved it, it stayed within the range of the
+    record: a free past would take a drift beside creep.
     """
 
     cause: ClassVar[str] = "creep"
@@ -62,11 +63,12 @@ class CreepPart(Part):
     from_s: float
     past_V: float | None = None
     past_s: float | None = None
+    first_V: float | None = None
 
     @property
     def rested(self) -> CreepPart:
         """The creep of a stage that rested before the record."""
-        return CreepPart(self.per_decade, self.from_s)
+        return CreepPart(self.per_decade, self.from_s, first_V=self.first_V)
 
     def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
         # Creep slower than ten times the length of the record cannot be measured.
@@ -74,7 +76,9 @@ class CreepPart(Part):
 
     @property
     def past(self) -> tuple[float, float] | None:
-        return None if self.past_V is None or self.past_s is None else (self.past_V, self.past_s)
+        if self.past_V is None or self.past_s is None:
+            return None if self.first_V is None else (self.first_V, 0.0)
+        return self.past_V, self.past_s
 
 
 LONG_REST_S, DECADES = 0.5, 1.5
@@ -91,7 +95,7 @@ class CreepCause(Cause):
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Creep of a stage that rested before the record."""
         part = chain.of(CreepPart)
-        return [] if part.past is None else [chain.having(part.rested)]
+        return [] if part.past_V is None else [chain.having(part.rested)]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start for each level of the past: a fit does not leave the side on which it starts."""
@@ -112,14 +116,14 @@ class CreepCause(Cause):
         decades = math.log10(max(slowest_s / fastest_s, 1.0))
         starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
         still = np.concatenate(residual.responses(chain))
-        candidates = []
+        candidates, first_V = [], scene.first_level_V(chain, residual.fit.weights, residual.fit.rms_um)
         for start_s in starts:
             unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
             per_decade = float(np.clip(creep, LEAST_START, 1.0))
-            candidates.append(chain.having(CreepPart(per_decade, start_s)))
+            candidates.append(chain.having(CreepPart(per_decade, start_s, first_V=first_V)))
             for past_V in (scene.extent.low_V, scene.extent.high_V):
-                candidates.append(chain.having(CreepPart(per_decade, start_s, past_V, PAST_S * scene.span_s)))
+                candidates.append(chain.having(CreepPart(per_decade, start_s, past_V, PAST_S * scene.span_s, first_V)))
         return candidates
 
     def effect(self, residual: Residual) -> Effect:

@@ -243,6 +243,23 @@ class Scene:
         (fading,) = cache.get((i, "past", slow, since_s), course)
         seen += np.multiply.outer(moved, slow.amount * fading)
 
+    def first_level_V(self, chain: Chain, weights: Floats, rms_um: float) -> float | None:
+        """Voltage at which the stage stood at the first reading, None if that lies on a branch where the record starts.
+
+        weights: of the linear parameters of a fit, rms_um: of its error, five of which no reading is off by chance.
+        A record may start while the voltage jumps, as where a controller is switched on: y(0) tells the level before.
+        """
+        operator, run = self._operator(chain), self.runs[0]
+        low_V, high_V, u_V = operator.low_V, operator.high_V, float(run.u_V[0])
+        h_um, constant_um = weights[: operator.size], float(weights[operator.size])
+        ends_um = [operator.path(np.array([end_V, u_V]), h_um)[-1] + constant_um for end_V in (low_V, high_V)]
+        y_um, clear_um = float(run.y_um[0]), 5.0 * rms_um
+        if len(run.history) or min(ends_um) - clear_um <= y_um <= max(ends_um) + clear_um:
+            return None
+        levels_V = np.linspace(low_V, high_V, 101)  # finer than the opening of any loop
+        levels_um = np.array([h_um @ operator.at(float(v_V)) for v_V in levels_V]) + constant_um
+        return float(levels_V[np.argmin(np.abs(levels_um - y_um))])
+
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain, from rest, to `paths` (`Scene.paths`), (n_i,) for each run."""
         found = []
