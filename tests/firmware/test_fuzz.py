@@ -38,7 +38,8 @@ PLANTED, RARE = 1000, {"store": 4000, "stuck": 4000}
 """Cases in which each planted fault is found: the rarest break 2 of them, a lost image or a stuck sensor 5 of 4000."""
 FINDERS = (99, 204, 239, 575, 2151)
 """Seeds that find the planted faults that the other seeds of the corpus miss."""
-NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status", "armed", "drift")
+NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status", "armed",
+         "drift")  # fmt: skip
 DECLARED = """
 void fuzz_give(const uint8_t *);
 uint32_t fuzz_image_bytes(void);
