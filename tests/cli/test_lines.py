@@ -189,7 +189,7 @@ def test_a_file_of_hysgen_names_it_in_its_head(tmp_path: Path) -> None:
     assert not written_by_hysgen(tmp_path / "missing")
     manifest = tmp_path / "MANIFEST.json"
     for schema, known in (("hysgen-manifest", True), ("other", False)):
-        manifest.write_text(json.dumps({"schema": schema, "files": {"x": 1}}))
+        manifest.write_text(json.dumps({"schema": schema, "model": "m", "files": {"x": 1}}))
         if known:
             check_files(tmp_path, ["x"], "-o", force=False)
         else:
@@ -434,14 +434,14 @@ def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("hysgen_c674x.firmware.image_cost.link_image", missing)
-    monkeypatch.setattr(firmware, "firmware_model", lambda model, aligned: {"model.h": f"hysgen {aligned}"})
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, **given: {"model.h": f"hysgen {given}"})
     assert main(["firmware", "appendix_a", "-o", "d", "--json", "r.json"]) == 0
     captured = capsys.readouterr()
     assert captured.out == (
         "appendix_a: no learner settings in the file; one of the rules' consequents is added\nwritten: 1 files in d\n"
     )
     assert captured.err == "warning: sizes and cycles are missing: no compiler\n"
-    assert Path("d/model.h").read_text() == "hysgen False"
+    assert Path("d/model.h").read_text() == "hysgen {'aligned': False, 'forced': False}"
     told = json.loads(Path("r.json").read_text())
     assert (told["model"], told["target"]) == ("appendix_a", None)
 
@@ -453,10 +453,11 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
 
     def write(model: Any, target: str, folder: Path, *rest: Any) -> list[Path]:
         given.append((model.name, target, *rest))
-        for name in ("README.md", "model/a.h", "model/a.c"):
+        names = ("README.md", "model/MANIFEST.json", "model/a.c")
+        for name in names:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text("12345")
-        return [folder / name for name in ("README.md", "model/a.h", "model/a.c")]
+        return [folder / name for name in names]
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(export, "write_export", write)
@@ -475,7 +476,8 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
     )
     target, options, source = given[-1][1:]
     assert (target, source) == ("a2l", {"elf": "e", "instance": "i", "learner": "l"})
-    assert options == export.code_options(parser(["generate"]).parse_args(["generate", "m", "-o", "d"]))
+    words = parser(["generate"]).parse_args(["generate", "m", "-o", "d"])
+    assert options == export.code_options(words, load_model("appendix_a"))
     for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
         assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2
     assert not Path("x").exists()

@@ -240,7 +240,7 @@ def test_broken_manifest_is_refused_in_one_line(content: str, complaint: str, tm
 
 def test_the_manifest_is_written_last_and_an_interrupted_write_leaves_none(tmp_path: Path) -> None:
     """A folder with a manifest is whole, whatever its files are called."""
-    texts = {MANIFEST: "{}", "A.c": "a", "Z.c": "z", "z/z.c": "z"}
+    texts = {MANIFEST: '{"model": "a"}', "A.c": "a", "Z.c": "z", "z/z.c": "z"}
     (tmp_path / "z").write_text("a file where a folder is needed")
     with pytest.raises(HysgenError):
         write(texts, tmp_path)

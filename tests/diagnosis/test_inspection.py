@@ -86,7 +86,7 @@ def test_the_band_is_where_the_speed_has_its_power() -> None:
         f"the voltage has power up to {sine.seen.highest_Hz:.4g} Hz of 500 Hz that the sampling shows",
     )
     assert met(sine, "slew") == (True, f"limits below {sine.seen.fastest_V_per_s:.4g} V/s")
-    assert met(sine, "periodic") == (True, "lines above 1.2 Hz and below 500 Hz")
+    assert met(sine, "periodic") == (True, "lines above 0.4 Hz and below 500 Hz")
     assert met(sine, "outliers") == (True, f"jumps above about {8 * sine.seen.noise.rms_um:.2g} um")
     assert met(sine, "saturation") == (True, "only where the amplifier clips inside 10 .. 90 V")
 

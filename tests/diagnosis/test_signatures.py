@@ -77,8 +77,8 @@ def test_a_drift_whose_law_is_at_its_bound_is_said_to_go_on_as_nobody_knows(shar
     assert ("the rows do not say how it goes on" in text) == unknown
 
 
-@pytest.mark.parametrize(("periods", "proposed"), [(8.3, False), (20.3, True)])
-def test_a_proposed_line_has_at_least_three_periods_in_each_quarter(periods: float, proposed: bool) -> None:
+@pytest.mark.parametrize(("periods", "proposed"), [(3.3, False), (4.7, True)])
+def test_a_proposed_line_has_at_least_one_period_in_each_quarter(periods: float, proposed: bool) -> None:
     seen = scene(LAG, 0.01 * np.sin(2.0 * np.pi * periods * T_S / SPAN_S))
     chains = causes()["periodic"].proposals(Residual(seen, refine(seen, LAG)))
     assert any(abs(line_Hz * SPAN_S - periods) < 1.0 for chain in chains for line_Hz in lines_Hz(chain)) == proposed

@@ -92,8 +92,8 @@ def test_a_drift_that_comes_and_goes_is_no_line() -> None:
     drift = cause.extension(residual).correction
     assert isinstance(drift, Trend)
     moved = drift.at(t_s) - 0.05 * (warm[0] - 1.4 * warm[1])
-    # Straight pieces of half a second round the corners of an exponential of 0.4 s off by a tenth of its height.
-    assert np.std(moved[50:]) < 0.007
+    # The best of all courses of eight straight pieces is 2.78 nm off, where they round the corners.
+    assert np.std(moved[50:]) < 0.003
     assert drift.at(2.0 * t_s[-1:]) == pytest.approx(drift.level_um)
 
 

@@ -157,9 +157,9 @@ def _labview(text: str) -> str:
         elif "Channels" in head:
             step, unit = (next(iter(filter(None, head.get(label, []))), "") for label in ("Delta_X", "X_Dimension"))
             known, units = unit in ("", "Time") and step, iter(head.get("Y_Unit_Label", []))
-            above = "\t".join("" if name in ("X_Value", "Comment") else f"[{next(units, '')}]" for name in cells)
-            made[-2:] = [f"# Sample Interval: {step}" if known else "", above if re.search(r"\w", above) else ""]
             count = len(cells) - (cells[-1] == "Comment")
+            above = "\t".join("" if name == "X_Value" else f"[{next(units, '')}]" for name in cells[:count])
+            made[-2:] = [f"# Sample Interval: {step}" if known else "", above if re.search(r"\w", above) else ""]
             made.append("\t".join("" if name in empty else name for name in cells[:count]))
             head = {}
         else:

@@ -131,7 +131,7 @@ def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks
     monkeypatch.setattr(image_cost, "MEMORIES", {"L2": (0, 262_144)})
     monkeypatch.setattr(image_cost, "link_image", lambda name, texts: built)
     monkeypatch.setattr(image_cost, "compile_image", lambda texts: "compiled")
-    monkeypatch.setattr("hysgen.cli.verbs.firmware.firmware_model", lambda model, aligned: {"model.h": model.name})
+    monkeypatch.setattr("hysgen.cli.verbs.firmware.firmware_model", lambda model, **_: {"model.h": model.name})
     monkeypatch.setattr(image_cost, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
     monkeypatch.setattr(image_cost, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
     monkeypatch.setattr(image_cost, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})

@@ -253,8 +253,10 @@ class DriftCause(Cause):
         )
 
     def extension(self, residual: Residual) -> Extension:
-        scene = residual.scene
-        _, fit = whitened_fit(scene, residual.fit)
+        """The drift of the whitened fit; that of the fit itself if it bends: whitening weighs rates, not levels."""
+        scene, fit = residual.scene, residual.fit
+        if not isinstance(fit.chain.of(DriftPart), BentDriftPart):
+            _, fit = whitened_fit(scene, fit)
         return Extension(correction=_drift(scene, fit))
 
 

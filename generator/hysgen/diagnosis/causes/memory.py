@@ -64,7 +64,9 @@ class MemoryCause(Cause):
         """Takes the odds of a drive back where the displacement does not follow the command: that of nothing driven."""
         if not fit.chain.memory:
             return 0.0
-        y_um, beside = scene.y_um[scene.rows], scene.added_columns(fit.chain)[:, scene.rows].T
+        # Steps and bends are many enough for slow moves of a stage, too.
+        stiff = dataclasses.replace(fit.chain, parts=tuple(part for part in fit.chain.parts if not part.flexible))
+        y_um, beside = scene.y_um[scene.rows], scene.added_columns(stiff)[:, scene.rows].T
         without_um = y_um - beside @ np.linalg.lstsq(beside, y_um - y_um.mean(), rcond=None)[0]
         follows = without_um.var() - fit.rms_um**2 >= FOLLOWS * y_um.var()
         return 0.0 if follows else 2.0 * math.log(Cause.prior_odds / self.prior_odds)

@@ -101,9 +101,9 @@ def _peaks(residual: Residual, count: int) -> list[float]:
     longest = max(run.whole for run in scene.runs)
     power = _explained(residual, 2 * longest)
     ratio = power / (_local_median(power) + 1e-300)
-    power[: 2 * int(FEWEST_PERIODS)] = 0.0
     inner = power[1:-1]
     peaks = 1 + np.flatnonzero((inner >= power[:-2]) & (inner >= power[2:]) & (ratio[1:-1] > LEAST_PEAK))
+    peaks = peaks[peaks >= 2 * FEWEST_PERIODS]
     best = peaks[np.argsort(power[peaks])[::-1][:count]]
     lines = []
     for at in best.tolist():

@@ -44,14 +44,14 @@ def measure(u_V: Floats, seed: int, source: str, before_V: Floats | None = None)
     return Record.from_arrays(u_V, measured.displacement_um[lead.size :], TS_S, source=source)
 
 
-def identify(record: Record, name: str, variant: Variant) -> Model:
+def identify(record: Record, variant: Variant) -> Model:
     """A model of the record.
 
     "paper": L = 6, lambda = 1, alpha = 1e6, epsilon = 0, Eq. (10), as in section 4.
     "refined": the same structure with minimised free-run error. "memory": "refined" behind a hysteresis.
     """
     if variant == "paper":
-        return fit(record, FitSettings(name=name, method="rls"))
+        return fit(record, FitSettings(name="bench", method="rls"))
     if variant == "refined":
-        return fit(record, FitSettings(name=name))
-    return fit(record, FitSettings(name=name, memory=PathSize()))
+        return fit(record, FitSettings(name="bench"))
+    return fit(record, FitSettings(name="bench", memory=PathSize()))

@@ -107,7 +107,7 @@ def agreement(experiment: Experiment) -> LearnerAgreement:
     drive_V = experiment.identification()
     known = measure(drive_V, IDENTIFICATION_SEED, f"{experiment.name} identification")
     unseen = measure(experiment.validation(), VALIDATION_SEED, f"{experiment.name} validation", before_V=drive_V)
-    recursive = identify(known, "bench", "paper")
+    recursive = identify(known, "paper")
     settings = LearnerSettings(learned=LEARNED["rules"], forgetting=1.0, alpha=1e6, rest_V=0.0, window=2**24)
     learner = CompiledLearner(dataclasses.replace(_datasheet(recursive), learner=settings))
     segment = known.segments[0]

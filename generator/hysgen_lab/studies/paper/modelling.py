@@ -113,7 +113,7 @@ def repeat(experiment: Experiment) -> RepeatedExperiment:
     known = measure(drive_V, IDENTIFICATION_SEED, f"{experiment.name} identification")
     unseen = measure(experiment.validation(), VALIDATION_SEED, f"{experiment.name} validation", before_V=drive_V)
     variants: tuple[Variant, ...] = ("paper", "refined", "memory")
-    models = {variant: identify(known, variant, variant) for variant in variants}
+    models = {variant: identify(known, variant) for variant in variants}
     runs = {variant: [part.y_um for part in free_run(model, unseen)] for variant, model in models.items()}
     return RepeatedExperiment(
         experiment,

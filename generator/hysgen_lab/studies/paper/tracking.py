@@ -94,7 +94,7 @@ def track_case(case: TrackingCase) -> Tracking:
     drives_V = {"proportional": proportional_drive(fit_proportional(known), reference_um)}
     variants: dict[Variant, str] = {"paper": "paper's inverse", "refined": "refined inverse", "memory": "with memory"}
     for variant, label in variants.items():
-        drives_V[label] = inverse_drive(identify(known, variant, variant), reference_um)
+        drives_V[label] = inverse_drive(identify(known, variant), reference_um)
     scored = slice(reference_um.size - sine_um.size + round(1.0 / (f_Hz * TS_S)), reference_um.size - 1)
     reached: dict[str, Floats] = {}
     for name, u_V in drives_V.items():
