@@ -93,11 +93,6 @@ def test_the_same_call_writes_the_same_bytes(record: Path, tmp_path: Path) -> No
     assert (tmp_path / "first.json").read_bytes() == (tmp_path / "second.json").read_bytes()
 
 
-def test_json_on_stdout_comes_without_other_text(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["describe", str(model), "--json", "-"]) == 0
-    assert json.loads(capsys.readouterr().out)["certificates"]
-
-
 @pytest.mark.parametrize(
     ("call", "told"),
     [

@@ -10,9 +10,6 @@ from typing import Any
 import pytest
 
 from hysgen.cli import main
-from hysgen.firmware.binding import build_id
-from hysgen.firmware.image import Label, decode
-from hysgen.model.file import load_model
 from hysgen.record.bundled import bundled_csv
 
 
@@ -161,17 +158,3 @@ def test_options_that_do_not_belong_together_are_refused(
     assert (code, error.count("\n")) == (2, 1)
     assert message in error
     assert not (folder / "x").exists()
-
-
-def test_an_image_carries_the_label_that_was_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (folder / "key").write_text("11" * 16)
-    said = Said("image appendix_a -o @i.img --key @key --device 1f --counter 7", folder, capsys)
-    data = (folder / "i.img").read_bytes()
-    assert decode(data).label == Label(0x1F, 0, 7)
-    assert said.json["bytes"] == len(data)
-    said.lines(rf"written: i.img \({len(data)} bytes; fits firmware with structure {said.json['structure']}\)")
-    Said("image appendix_a -o @i.img --key @key --flashed appendix_a", folder, capsys)
-    assert decode((folder / "i.img").read_bytes()).label == Label(0, build_id(load_model("appendix_a")), 1)
-    for wrong in ("--device xyz", "--device 10000000000000000", "--counter 0", "--counter 4294967296"):
-        assert main(["image", "appendix_a", "-o", f"{folder}/j.img", "--key", f"{folder}/key", *wrong.split()]) == 2
-        assert "--counter one of 1 to 4294967295" in capsys.readouterr().err

@@ -126,12 +126,14 @@ def test_a_comparison_is_written_with_signs_units_and_the_number_of_each_rule() 
     assert found.summary().title == "a -> b"
 
 
-def test_models_with_other_terms_or_blocks_are_not_compared() -> None:
+def test_models_with_other_terms_blocks_or_rules_are_not_compared() -> None:
     old = lag("old")
     other = dataclasses.replace(old, name="two", terms=TERMS[:1], weights=np.zeros(2), blocks=(Saturation(0.0, 90.0),))
     said = r"old and two: structures differ \(6 rules, periodic of 2, drift of 1 against 6 rules, periodic of 2, satur"
     with pytest.raises(ModelError, match=said):
         compare(old, other)
+    with pytest.raises(ModelError, match=r"structures differ \(6 rules, .* against 5 rules, "):
+        compare(old, dataclasses.replace(old, grid=Grid(-5.0, 15.0, 5), consequents=old.consequents[:5]))
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hysgen.api.code import _as_before
 from hysgen.codegen import generate, write
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit
-from hysgen.fitting.refit import compare, refit
+from hysgen.fitting.refit import refit
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes
@@ -33,65 +33,19 @@ def records() -> tuple[Record, Record]:
 
 
 @pytest.mark.slow
-def test_refit_changes_only_the_numbers_of_the_generated_c(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
-    new, scores = refit(old, records[1])
-    before, after = generate(old), generate(new)
-    changed = {file for file in before if before[file] != after[file]}
-    assert changed == {"axis_params.h", "axis_selftest_data.h", "axis.json", "MANIFEST.json"}
-    assert before.keys() == after.keys()
-    assert scores.free_run.of_span_percent < 3.0
-
-
-@pytest.mark.slow
-def test_refit_keeps_the_part_of_the_range_to_which_the_model_was_restricted(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
-    part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3))
-    new, _ = refit(part, records[1])
-    assert (new.grid.y_min_um, new.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
-    assert new.grid.ends_um == refit(old, records[1])[0].grid.ends_um
-    before, after = generate(part), generate(new)
-    assert before["axis.c"] == after["axis.c"]
-
-
-@pytest.mark.slow
-def test_refit_fits_the_whole_record_and_keeps_a_restricted_input_range(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
-    part = old.within(None, (0.5 * old.u_max_V, 0.75 * old.u_max_V))
-    new, _ = refit(part, records[1])
-    assert (new.u_min_V, new.u_max_V) == (part.u_min_V, part.u_max_V)
-    np.testing.assert_array_equal(new.parameters, refit(old, records[1])[0].parameters)
-
-
-@pytest.mark.slow
-def test_refit_generates_again_over_the_ranges_that_the_folder_had(
+def test_refit_fits_the_whole_record_and_keeps_the_ranges_of_a_restricted_model_and_of_a_folder(
     records: tuple[Record, Record], tmp_path: Path
 ) -> None:
     old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
-    part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3), (old.u_min_V, 0.9 * old.u_max_V))
-    write(generate(part), tmp_path)
-    new, _ = refit(old, records[1])
-    again, _ = _as_before(new, tmp_path)
-    assert (again.grid.y_min_um, again.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
-    assert (again.u_min_V, again.u_max_V) == (part.u_min_V, part.u_max_V)
-    assert generate(again)["axis.c"] == generate(part)["axis.c"]
-
-
-@pytest.mark.slow
-def test_compare_finds_the_gain_that_moved_by_a_tenth(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(name="axis", memory=PathSize()))
-    new, _ = refit(old, records[1])
-    moved = {change.what: change.percent for change in compare(old, new, records).changes}
-    # Ten percent were planted; noise and the fit's own freedom are worth a percent.
-    assert moved["DC gain, mid-range"] == pytest.approx(10.0, abs=1.5)
-    scores = compare(old, new, records).scores
-    assert scores[1][2] < 0.2 * scores[1][1]
-
-
-def test_models_of_different_structure_are_not_compared_number_by_number(records: tuple[Record, Record]) -> None:
-    old, new = (fit(records[0], FitSettings(rules=rules, method="batch")) for rules in (4, 5))
-    with pytest.raises(ModelError, match=r"structures differ \(4 rules, no terms against 5 rules, no terms\)"):
-        compare(old, new)
+    whole, _ = refit(old, records[1])
+    part = old.within((old.grid.y_min_um + 0.3, old.grid.y_max_um - 0.3), (0.5 * old.u_max_V, 0.75 * old.u_max_V))
+    code = generate(part)
+    write(code, tmp_path)
+    for again in (refit(part, records[1])[0], _as_before(whole, tmp_path)[0]):
+        assert (again.grid.y_min_um, again.grid.y_max_um) == (part.grid.y_min_um, part.grid.y_max_um)
+        assert (again.u_min_V, again.u_max_V, again.grid.ends_um) == (part.u_min_V, part.u_max_V, whole.grid.ends_um)
+        np.testing.assert_array_equal(again.parameters, whole.parameters)
+        assert generate(again)["axis.c"] == code["axis.c"]
 
 
 def test_a_record_at_another_rate_is_refused(records: tuple[Record, Record]) -> None:

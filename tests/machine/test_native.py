@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -22,7 +21,6 @@ from hysgen.fitting import fit
 from hysgen.machine import files
 from hysgen.machine.kernels.operators import lag_of_signals, lag_states, lag_sums
 from hysgen.machine.native import Toolchain, build
-from hysgen.machine.threads import THREAD, in_threads
 from hysgen.record import Record
 
 SOURCE = "double twice(double x) { return x + x; }\n"
@@ -131,20 +129,6 @@ def test_one_thread_inside_in_every_thread_and_as_many_as_before_after_an_error(
             outer(record)  # type: ignore[operator]
         assert threads() == {2}
     assert seen == [{1}]
-
-
-def test_there_are_no_more_threads_than_memory_has_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    used: set[int] = set()
-
-    def works(item: int) -> int:
-        used.add(threading.get_ident())
-        time.sleep(0.01)
-        return item
-
-    monkeypatch.setattr("os.cpu_count", lambda: 4)
-    monkeypatch.setattr("hysgen.machine.threads.has_room", lambda size: size < 3 * THREAD)
-    assert in_threads(works, range(20)) == list(range(20))
-    assert len(used) == 2
 
 
 OLD = "the old file, whole\n"
