@@ -82,7 +82,10 @@ def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[i
     decisive = {
         instruction.predicate.register.index
         for instruction, action in every
-        if isinstance(action, Jump) and instruction.predicate and _goes_back(instruction, action)
+        if isinstance(action, Jump)
+        and instruction.predicate
+        and isinstance(action.target, int)
+        and action.target <= instruction.address
     }
     size = -1
     while decisive and size != len(decisive):
@@ -183,10 +186,6 @@ def _relative(mnemonic: str, a: CounterValue, b: CounterValue) -> CounterValue |
 
 def _value(source: Source, before: Sequence[CounterValue | None]) -> CounterValue | None:
     return before[source.index] if isinstance(source, Register) else CounterValue(source & MASK)
-
-
-def _goes_back(instruction: Instruction, action: Jump) -> bool:
-    return isinstance(action.target, int) and action.target <= instruction.address
 
 
 def _reached(packets: Mapping[int, Packet], start: int) -> list[Packet]:

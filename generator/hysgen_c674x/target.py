@@ -31,8 +31,7 @@ def cost(model: Model, texts: Texts) -> TargetCost:
     figures, scheduled = footprint(model.name, texts), kernel_costs(model.name, texts)
     if not scheduled:
         return TargetCost(figures)
-    more = {"kernels": [cost.to_json() for cost in scheduled]}
-    return TargetCost(figures, [kernel_table(scheduled)], more)
+    return TargetCost(figures, [kernel_table(scheduled)], {"kernels": [vars(cost) for cost in scheduled]})
 
 
 def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], Mapping[str, str]]:

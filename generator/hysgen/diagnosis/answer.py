@@ -281,13 +281,7 @@ def left_over(
     left = model.rms_um > AT_THE_NOISE * noise_um
     if left and (without_um := falling().rms_um) <= WORTH_THE_INVERSE * model.rms_um:
         reason = f"a hysteresis that may fall leaves {without_um:.3g} um, and has no inverse (--predict-only)"
-    return Left(
-        model.rms_um,
-        model.rms_um / max(noise_um, 1e-300),
-        probe.rms_um,
-        reason,
-        model.taken,
-    )
+    return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 
 
 def _probe_error_um(prepared: Prepared, chain: Chain) -> Floats:

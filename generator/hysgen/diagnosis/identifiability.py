@@ -277,6 +277,10 @@ RULES = 6
 """Rules of the fit for which the excitation is checked."""
 
 
+EXCITATION = ("swings", "sizes", "rests", "longest_rest_s", "lowest_Hz", "highest_Hz", "fastest_V_per_s")
+"""What the JSON of an inspection says of the excitation (`Excitation`)."""
+
+
 @dataclass(frozen=True)
 class Requirement:
     """Whether the record meets what a cause needs, and what it has or lacks."""
@@ -322,16 +326,8 @@ class Inspection(Displayed):
             "displacement_um": list(record.y_range_um),
             "channels": {name: list(ends) for name, ends in record.aux_ranges.items()},
             "noise": seen.noise.to_json(),
-            "excitation": {
-                "swings": seen.swings,
-                "sizes": seen.sizes,
-                "rests": seen.rests,
-                "longest_rest_s": seen.longest_rest_s,
-                "lowest_Hz": seen.lowest_Hz,
-                "highest_Hz": seen.highest_Hz,
-                "fastest_V_per_s": seen.fastest_V_per_s,
-            },
-            "requirements": [{"cause": need.cause, "met": need.met, "why": need.why} for need in self.requirements],
+            "excitation": {name: getattr(seen, name) for name in EXCITATION},
+            "requirements": [vars(need) for need in self.requirements],
             "warnings": [*record.warnings, *self.warnings],
         }
 

@@ -147,10 +147,11 @@ def diagnose(
     fit_rung = functools.partial(_rung, naming, chosen.fit)
     rungs = in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len)
     report(0.95, "measuring what is left of the held-out rows")
+    scored = _scored(naming, alone, made, rungs, chosen)
     report(1.0, "done")
     if chosen.resume:
         forget(inputs, SOURCES)
-    return _scored(naming, alone, made, rungs, chosen)
+    return scored
 
 
 @one_blas_thread()
@@ -306,7 +307,9 @@ def _scored(
     """The diagnosis with all scores on held-out rows. alone: of `_worth_extending`."""
     prepared, noise, agreed = naming.prepared, naming.noise, naming.agreed
     held = prepared.held_rows
-    found = _left_by_rungs(naming, rungs)
+    last = _left(naming, rungs[-1], None)
+    # Wrong readings and sudden changes of the record are those that the last rung shows.
+    found = [*(_left(naming, rung, last) for rung in rungs[:-1]), last]
     counted = np.concatenate(found[-1].counted)
     gates = [any(naming.extensions[name].gate for name in rung.causes) for rung in rungs]
     clean = np.flatnonzero(counted)
@@ -387,12 +390,6 @@ def _scored(
         held_rows=held,
         probe_rms_um=naming.whole.fit.rms_um,
     )
-
-
-def _left_by_rungs(naming: Naming, rungs: Sequence[Rung]) -> list[Remaining]:
-    """`_left` of every rung; wrong readings and sudden changes of the record are those that the last one shows."""
-    last = _left(naming, rungs[-1], None)
-    return [*(_left(naming, rung, last) for rung in rungs[:-1]), last]
 
 
 def _left(naming: Naming, rung: Rung, beside: Remaining | None) -> Remaining:

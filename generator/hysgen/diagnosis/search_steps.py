@@ -63,7 +63,8 @@ def next_step(state: State, added: dict[str, Scored]) -> Scored | None:
 
     added: of `best_additions`.
     """
-    accepted = next((one for one in added.values() if _accepted(state, one)), None)
+    likelier = (one for one in added.values() if fall_of_addition(one, state.current) > LEAST_EVIDENCE)
+    accepted = next((one for one in likelier if rise_without(state, one, state.current) > LEAST_EVIDENCE), None)
     return accepted or _dropped_or_exchanged(state) or _slow_addition(state, added)
 
 
@@ -97,12 +98,6 @@ def fall_of_addition(larger: Scored, current: Scored) -> float:
         for one in (current, larger)
     ]
     return larger.fall_from(current) - max(counts[1] - counts[0] - 1, 0) * LEAST_EVIDENCE
-
-
-def _accepted(state: State, one: Scored) -> bool:
-    """Whether a larger chain is accepted because its score falls; for the first slow cause, the pooled score too."""
-    likelier = fall_of_addition(one, state.current) > LEAST_EVIDENCE
-    return likelier and rise_without(state, one, state.current) > LEAST_EVIDENCE
 
 
 def _slow_addition(state: State, added: dict[str, Scored]) -> Scored | None:

@@ -175,14 +175,6 @@ def _component(draft: Draft) -> Mapping[str, str]:
     return component_texts(draft.facts)
 
 
-def _no_facts(draft: Draft) -> Mapping[str, Any]:
-    return {}
-
-
-def _nothing(written: Written) -> Sequence[str]:
-    return ()
-
-
 @dataclass(frozen=True)
 class Export:
     """A folder for another tool. title: its name in the README.
@@ -199,11 +191,11 @@ class Export:
     files: Mapping[str, str]
     readme: str = ""
     ways: Mapping[str, Runner] = field(default_factory=dict)
-    facts: Callable[[Draft], Mapping[str, Any]] = _no_facts
+    facts: Callable[[Draft], Mapping[str, Any]] = lambda draft: {}
     sources: Callable[[Draft], Mapping[str, str]] = _component
     options: tuple[Option, ...] = ()
     options_title: str = ""
-    finish: Callable[[Written], Sequence[str]] = _nothing
+    finish: Callable[[Written], Sequence[str]] = lambda written: ()
 
 
 def make(folder: Path, goal: str) -> None:

@@ -83,7 +83,9 @@ def _fit(
         model = _model(record, chosen, structure, recursive_least_squares(record, structure, weighting))
         return _with_history(model, record, chosen, {})
     task = _Task(record, chosen, structure, weighting, information(record, structure, weighting))
-    model, outcome = _best_inside(task, allowed_set(structure, chosen, task.one_step), progress)
+    gain = linear_gain(structure, task.one_step)
+    allowed = certified_set(structure, gain, chosen.slope_limit) if chosen.certified else None
+    model, outcome = _best_inside(task, allowed, progress)
     return _with_history(model, record, chosen, outcome)
 
 
@@ -201,13 +203,6 @@ def _best_inside(
             "scored_weight": float(sum(weight[1:].sum() for weight in error.trust)),
         }
     return model, outcome
-
-
-def allowed_set(structure: Structure, settings: FitSettings, one_step: Information) -> CertifiedSet | None:
-    """The set of certified parameters that a fit stays in; None if the settings require no certificates."""
-    if not settings.certified:
-        return None
-    return certified_set(structure, linear_gain(structure, one_step), settings.slope_limit)
 
 
 def linear_gain(structure: Structure, one_step: Information) -> float:

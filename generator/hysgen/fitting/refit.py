@@ -207,7 +207,11 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
 
     Raises ModelError if the structures differ.
     """
-    require_same_structure(old, new)
+    if _shape(old) != _shape(new):
+        raise ModelError(
+            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
+            "score both on one record instead"
+        )
     loops_Hz = loop_frequencies(old)
     changes = [
         Change("displacement, low end", "um", old.grid.y_min_um, new.grid.y_min_um),
@@ -225,15 +229,6 @@ def compare(old: Model, new: Model, records: Sequence[Record] = ()) -> Compariso
     centres = zip(old.grid.centres_um.tolist(), new.grid.centres_um.tolist(), strict=True)
     rules = tuple((a, b, c) for a, b, c in moved.tolist())
     return Comparison(old.name, new.name, tuple(changes), tuple(centres), rules, tuple(scores))
-
-
-def require_same_structure(old: Model, new: Model) -> None:
-    """Raise ModelError if the structures of two models differ."""
-    if _shape(old) != _shape(new):
-        raise ModelError(
-            f"{old.name} and {new.name}: structures differ ({_structure(old)} against {_structure(new)}); "
-            "score both on one record instead"
-        )
 
 
 def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, float]]:

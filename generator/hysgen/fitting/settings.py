@@ -17,6 +17,8 @@ from hysgen.model.regression import Starts, Trust
 
 Method = Literal["rls", "batch", "refined"]
 REALS = ("forgetting", "alpha", "epsilon", "margin", "slope_limit")
+STORED = ("method", "rules", *REALS[:4], "settle", "certified", "slope_limit", "iterations")
+"""Settings that a model file holds, in their order; `memory` and `rising` follow."""
 
 
 @dataclass(frozen=True)
@@ -97,19 +99,9 @@ class FitSettings:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values; without terms and blocks, which the model itself contains; `rising` where it is not."""
-        return {
-            "method": self.method,
-            "rules": self.rules,
-            "forgetting": self.forgetting,
-            "alpha": self.alpha,
-            "epsilon": self.epsilon,
-            "margin": self.margin,
-            "settle": self.settle,
-            "certified": self.certified,
-            "slope_limit": self.slope_limit,
-            "iterations": self.iterations,
-            "memory": None if self.memory is None else self.memory.to_json(),
-        } | ({} if self.rising else {"rising": False})
+        memory = None if self.memory is None else self.memory.to_json()
+        stored = {name: getattr(self, name) for name in STORED} | {"memory": memory}
+        return stored if self.rising else stored | {"rising": False}
 
 
 def _demand(holds: bool, field: str, value: object, domain: str) -> None:

@@ -137,7 +137,12 @@ def verdict(study: Study) -> list[str]:
         constant = "A constant is as good as every model here of the displacement"
         constant += " as it is logged." if apart else f": a linear response to the voltage explains {linear:.0%} of it."
         return [wrong, *apart, constant, *_left(diagnosis.unknown)]
-    wrong = "\n".join([wrong, *apart, *_fed_back(study)])
+    if fed_back(study.record.segments) is not None:
+        apart.append(
+            "The voltage reacts to the displacement: the record was taken under feedback. Creep and drift stand in the "
+            "voltage then, and are told apart badly; record in open loop."
+        )
+    wrong = "\n".join([wrong, *apart])
     if not diagnosis.causes:
         wrong = f"{wrong}\n{diagnosis.remaining.line()}"
         if diagnosis.unknown:
@@ -184,16 +189,6 @@ def _apart(study: Study) -> list[str]:
     return [
         f"The displacement runs {abs(lag.samples)} samples ({abs(lag.samples) * study.record.Ts_s:.3g} s) {lag.way} "
         "the voltage: unless the stage is so slow, the logs are not aligned, and what follows describes their shift."
-    ]
-
-
-def _fed_back(study: Study) -> list[str]:
-    """The sentence about a record that was taken while a controller ran, if it was."""
-    if fed_back(study.record.segments) is None:
-        return []
-    return [
-        "The voltage reacts to the displacement: the record was taken under feedback. Creep and drift stand in the "
-        "voltage then, and are told apart badly; record in open loop."
     ]
 
 

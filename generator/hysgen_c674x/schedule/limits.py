@@ -6,7 +6,6 @@ import json
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from hysgen.checking.symbolic.from_c import kernel
 from hysgen.checking.symbolic.source import Source
@@ -36,10 +35,6 @@ class KernelCost:
     adders: int
     accesses: int
     chain: int
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return asdict(self)
 
 
 def kernel_costs(name: str, texts: Mapping[str, str]) -> list[KernelCost]:

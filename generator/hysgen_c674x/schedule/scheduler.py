@@ -96,7 +96,9 @@ def _run(attempt: Attempt, below: int = 1 << 30) -> None:
         blocked = blocked + 1 if stuck is not None and stuck[-1] is oldest else 0
         oldest = stuck[-1] if stuck is not None else None
         move = None
-        if stuck is not None and _waits_too_long(plan, idle if not order.pending else 0, blocked):
+        # blocked: cycles for which the oldest instruction has been ready.
+        waits = (idle > _STUCK and not order.pending) or (plan.patience > 0 < blocked and blocked % plan.patience == 0)
+        if stuck is not None and plan.taper and waits:
             move = moved_over(attempt, stuck[-1], cycle)
         if stuck is not None and move is not None:
             ready.remove(stuck)
@@ -105,13 +107,6 @@ def _run(attempt: Attempt, below: int = 1 << 30) -> None:
         if idle > _PATIENCE and not (order.pending and order.pending[0][0] > cycle):
             raise OutOfRegistersError("out of registers")
         cycle += 1
-
-
-def _waits_too_long(plan: Plan, idle: int, blocked: int) -> bool:
-    """Whether an operand of the oldest instruction is to be moved. blocked: cycles for which it has been ready."""
-    if not plan.taper:
-        return False
-    return idle > _STUCK or (plan.patience > 0 and blocked > 0 and blocked % plan.patience == 0)
 
 
 def _packet(attempt: Attempt, cycle: int, ready: list[Ready]) -> tuple[int, list[Ready]]:

@@ -7,10 +7,9 @@ and a ramp to 0 V. The firmware then starts up, drives the initial loop, measure
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,10 +62,6 @@ class TrackingResult:
     voltage_V: tuple[float, float]
     commits: int
     status: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return dataclasses.asdict(self)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ def track_arguments(parser: argparse.ArgumentParser) -> None:
 def run_track(arguments: argparse.Namespace, console: Console) -> int:
     results, noise_nm = track(arguments.seconds, console.progress)
     console.say(tracking_table(results, noise_nm))
-    return console.finish({"sensor_noise_nm": noise_nm, "tracking": [result.to_json() for result in results]})
+    return console.finish({"sensor_noise_nm": noise_nm, "tracking": [vars(result) for result in results]})
 
 
 def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:

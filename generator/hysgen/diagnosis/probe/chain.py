@@ -129,10 +129,6 @@ class Chain:
         """What the slow states hold of the time before a segment (`Part.past`)."""
         return next((part.past for part in self.parts if part.past is not None), None)
 
-    def seen_every(self, stride: int, Ts_s: float) -> Thinned:
-        """The part of the chain behind the hysteresis for samples `stride` periods apart (`trace.Trace.held`)."""
-        return Thinned(self.lag_s, self.parts, self.memory, stride=stride, Ts_s=Ts_s)
-
     @property
     def modes(self) -> tuple[Mode, ...]:
         """Second-order modes behind the hysteresis."""
@@ -160,7 +156,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class Thinned(Chain):
-    """A chain for samples `stride` periods Ts_s apart; modes above FASTEST respond at once.
+    """A chain behind its hysteresis for samples `stride` periods Ts_s apart; modes above FASTEST respond at once.
 
     Its input at sample k, held for a stride, is h at k + ahead; h is a straight line between two samples. This makes
     the response to a ramp exact:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import Chain
+from hysgen.diagnosis.probe.chain import Chain, Thinned
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -82,7 +82,7 @@ class Trace:
         """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
         if self.stride == 1:
             return h, chain
-        thinned = chain.seen_every(self.stride, Ts_s)
+        thinned = Thinned(chain.lag_s, chain.parts, chain.memory, stride=self.stride, Ts_s=Ts_s)
         return thinned.input(h), thinned
 
 

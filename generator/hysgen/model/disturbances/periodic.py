@@ -81,7 +81,9 @@ class Periodic(Term):
         return type(self)(tuple(sorted(values)))
 
     def apart(self, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-        return not any(_repeats_with_the_command(line_Hz, runs, Ts_s) for line_Hz in self.f_Hz)
+        # As the harmonics of the command have one phase at all of its maxima.
+        at_s = np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs])
+        return not any(same_phase(line_Hz, at_s) for line_Hz in self.f_Hz)
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
         t_s = run.time_s(extent.Ts_s)
@@ -138,11 +140,6 @@ class Periodic(Term):
         """Mains and a harmonic."""
         mains_Hz = float(rng.uniform(49.0, 51.0))
         return (cls((mains_Hz, 3.0 * mains_Hz)),)
-
-
-def _repeats_with_the_command(line_Hz: float, runs: Sequence[RunSignals], Ts_s: float) -> bool:
-    """Whether a line has the same phase at all maxima of the command, as its harmonics have."""
-    return same_phase(line_Hz, np.concatenate([run.time_s(Ts_s)[_maxima(run)] for run in runs]))
 
 
 def same_phase(line_Hz: float, at_s: Floats) -> bool:

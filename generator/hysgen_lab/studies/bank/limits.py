@@ -112,39 +112,37 @@ def _parameter_limit(key: str, most: float, judged: list[Judgement]) -> Limit:
         for judgement in judged
         if key in judgement.errors and name in judgement.required and name in judgement.named
     ]
-    worst = max((abs(judgement.errors[key]) for judgement in seen), default=math.nan)
-    beyond = [judgement for judgement in seen if not abs(judgement.errors[key]) <= most]
-    return Limit(
-        f"error of {key}",
-        f"<= {most:g}",
-        f"{worst:.3g}, {len(seen)} records" if seen else "no record",
-        not beyond if seen else None,
-        beyond=tuple(f"{judgement.name}: {judgement.errors[key]:.3g}" for judgement in beyond),
-    )
+    errors = [(judgement.name, judgement.errors[key]) for judgement in seen]
+    worst = max((abs(error) for _, error in errors), default=math.nan)
+    beyond = [named for named in errors if not abs(named[1]) <= most]
+    return _limit_of(f"error of {key}", f"<= {most:g}", f"{worst:.3g}, {len(seen)} records", errors, beyond, ".3g")
 
 
 def _fall_limit(judged: list[Judgement]) -> Limit:
-    falls = [judgement for judgement in judged if math.isfinite(judgement.fall)]
-    return Limit(
-        "fall by the memory extension",
-        f">= {LEAST_FALL:g} times",
-        f"{min(judgement.fall for judgement in falls):.1f} at least, {len(falls)} records" if falls else "no record",
-        all(judgement.fall >= LEAST_FALL for judgement in falls) if falls else None,
-        beyond=tuple(f"{judgement.name}: {judgement.fall:.1f}" for judgement in falls if judgement.fall < LEAST_FALL),
-    )
+    falls = [(judgement.name, judgement.fall) for judgement in judged if math.isfinite(judgement.fall)]
+    beyond = [named for named in falls if named[1] < LEAST_FALL]
+    measured = f"{min((fall for _, fall in falls), default=math.nan):.1f} at least, {len(falls)} records"
+    return _limit_of("fall by the memory extension", f">= {LEAST_FALL:g} times", measured, falls, beyond, ".1f")
 
 
 def _truth_limit(judged: list[Judgement]) -> Limit:
-    ratios = [judgement for judgement in judged if math.isfinite(judgement.over_truth)]
-    beyond = [judgement for judgement in ratios if judgement.over_truth > MOST_OVER_TRUTH]
-    largest = max((judgement.over_truth for judgement in ratios), default=math.nan)
-    return Limit(
-        "error over that with the truth known",
-        f"<= {MOST_OVER_TRUTH:g}",
-        f"{largest:.2f} at most, {len(ratios)} records" if ratios else "no record",
-        not beyond if ratios else None,
-        beyond=tuple(f"{judgement.name}: {judgement.over_truth:.2f}" for judgement in beyond),
-    )
+    ratios = [(judgement.name, judgement.over_truth) for judgement in judged if math.isfinite(judgement.over_truth)]
+    beyond = [named for named in ratios if named[1] > MOST_OVER_TRUTH]
+    measured = f"{max((ratio for _, ratio in ratios), default=math.nan):.2f} at most, {len(ratios)} records"
+    name = "error over that with the truth known"
+    return _limit_of(name, f"<= {MOST_OVER_TRUTH:g}", measured, ratios, beyond, ".2f")
+
+
+Values = list[tuple[str, float]]
+"""Name and value of records."""
+
+
+def _limit_of(name: str, wanted: str, measured: str, values: Values, beyond: Values, form: str) -> Limit:
+    """A limit of the values of records; beyond: those that exceed it."""
+    exceeding = tuple(f"{record}: {value:{form}}" for record, value in beyond)
+    if not values:
+        return Limit(name, wanted, "no record", None)
+    return Limit(name, wanted, measured, not beyond, beyond=exceeding)
 
 
 def limits_table(comparisons: tuple[Limit, ...]) -> str:

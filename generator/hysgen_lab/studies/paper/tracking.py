@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.model.model import Model
-from hysgen.model.rivals import Proportional, fit_proportional
+from hysgen.model.rivals import fit_proportional
 from hysgen_lab.stage import signals
 from hysgen_lab.studies.paper.bench import IDENTIFICATION_SEED, TRACKING_SEED, TS_S, Variant, identify, measure
 
@@ -91,7 +91,7 @@ def track_case(case: TrackingCase) -> Tracking:
     sine_um = signals.tracking_reference(TS_S, f_Hz, PERIODS / f_Hz)
     # One sample more than is scored: the inverse at sample k needs y_d(k+1).
     reference_um = np.concatenate([np.full(round(REST_S / TS_S), sine_um[0]), sine_um])
-    drives_V = {"proportional": proportional_drive(fit_proportional(known), reference_um)}
+    drives_V = {"proportional": fit_proportional(known).inverse(reference_um[:-1])}
     variants: dict[Variant, str] = {"paper": "paper's inverse", "refined": "refined inverse", "memory": "with memory"}
     for variant, label in variants.items():
         drives_V[label] = inverse_drive(identify(known, variant), reference_um)
@@ -102,11 +102,6 @@ def track_case(case: TrackingCase) -> Tracking:
         reached[name] = tracked.segments[0].y_um[scored]
     t_s: Floats = TS_S * np.arange(scored.stop - scored.start, dtype=np.float64)
     return Tracking(f_Hz, case.published, t_s, reference_um[scored], reached)
-
-
-def proportional_drive(line: Proportional, reference_um: Floats) -> Floats:
-    """u(k) = K (y_d(k) - c): (n-1,) for a reference (n,)."""
-    return line.inverse(reference_um[:-1])
 
 
 def inverse_drive(model: Model, reference_um: Floats) -> Floats:
