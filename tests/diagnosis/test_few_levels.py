@@ -37,5 +37,5 @@ def test_a_few_levels_show_the_mode_and_creep_and_memory_stays() -> None:
     """Each level is passed once: nothing shows that the gain changes, and that a curve bends there fits as well."""
     names = name_causes(stepped(4))
     assert sorted(names.names) == ["creep", "memory", "resonance"], names.names
-    assert "resonance.f_2_Hz" not in names.parameters
-    assert names.parameters["resonance.f_Hz"] == pytest.approx(F_HZ, rel=1e-3)
+    assert "resonance.f_2_Hz" not in names.estimates
+    assert names.estimates["resonance.f_Hz"].value == pytest.approx(F_HZ, rel=1e-3)

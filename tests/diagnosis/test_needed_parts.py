@@ -126,4 +126,4 @@ def test_one_step_shows_creep_and_no_memory() -> None:
     y_um = 1.0 + 3.0 * (since_s >= 0.0) * (1.0 + moved) + 2e-3 * rng.standard_normal(len(rows))
     naming = name_causes(Record.from_arrays(u_V, y_um, Ts_s))
     assert naming.names == ("creep",)
-    assert naming.parameters["creep.per_decade"] == pytest.approx(0.01, rel=0.2)
+    assert naming.estimates["creep.per_decade"].value == pytest.approx(0.01, rel=0.2)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
+from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import fit_ladder, with_best_forms
@@ -25,6 +26,7 @@ from hysgen.record import Record
 from hysgen.record.relation import unrelated
 
 __all__ = [
+    "Estimate",
     "Extension",
     "Naming",
     "Prepared",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, left_over
-from hysgen.diagnosis.causes import Residual, Signature, causes, in_ladder_order
+from hysgen.diagnosis.causes import Estimate, Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.experiment import Limits, in_words, lacking, with_time_for
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.identifiability import Ability, abilities, unexplained_structure
@@ -109,10 +109,10 @@ class Naming:
         return {name: self.found.confidence[name] for name in present(self.found.fit.chain)}
 
     @property
-    def parameters(self) -> dict[str, float]:
+    def estimates(self) -> dict[str, Estimate]:
         """Every parameter of the named causes, by "cause.parameter"."""
         return {
-            f"{name}.{key}": estimate.value
+            f"{name}.{key}": estimate
             for name in self.agreed
             for key, estimate in self.signatures[name].parameters.items()
         }

@@ -301,7 +301,8 @@ BANK = """
 import numpy as np
 from hysgen_lab.stage import effect_shares, run
 from hysgen_lab.studies.bank import scenario
-from hysgen_lab.studies.bank.judge_records import parameter_errors
+from hysgen.diagnosis.causes import Estimate
+from hysgen_lab.studies.bank.judge_records import compare_parameters
 from hysgen_lab.studies.bank.limits import PARAMETERS
 
 hidden = scenario("echo", 3)
@@ -312,7 +313,8 @@ past_V = np.concatenate([hidden.u_V[:1], hidden.u_V[:1], hidden.u_V[:-2]])
 share_um = um_per_V * np.std(past_V)
 assert abs(effect_shares(measured)["echo"] / share_um - 1.0) < 1e-6
 assert PARAMETERS["echo.um_per_V"] == 0.1
-assert abs(parameter_errors(hidden, {"echo.um_per_V": 1.05 * um_per_V})["echo.um_per_V"] - 0.05) < 1e-12
+found = {"echo.um_per_V": Estimate(1.05 * um_per_V, 1.0)}
+assert abs(compare_parameters(hidden, found)["echo.um_per_V"].error - 0.05) < 1e-12
 print(scenario("creep", 3).stage == scenario("creep", 3).stage, np.float64(scenario("creep", 3).u_V.sum()).hex())
 """
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures.ends import Ends
+from hysgen.diagnosis.causes import Estimate
 from hysgen.model.model import Grid, Model
 from hysgen.record import Record
 from hysgen_lab.firmware import tracking
@@ -17,7 +18,7 @@ from hysgen_lab.firmware.tracking import TrackingResult
 from hysgen_lab.stage import CreepEffect, Stage
 from hysgen_lab.studies import coverage
 from hysgen_lab.studies.bank.family_scenario import Sensor
-from hysgen_lab.studies.bank.judge_records import parameter_errors
+from hysgen_lab.studies.bank.judge_records import compare_parameters
 from hysgen_lab.studies.bank.limits import PARAMETERS, limits
 from hysgen_lab.studies.bank.result import BankResult, Judgement
 from hysgen_lab.studies.bank.scenario import scenario
@@ -251,6 +252,12 @@ def test_errors_of_parameters_are_taken_from_the_first_effect_of_a_kind() -> Non
     )
     found = {"periodic.f_Hz": 40.5, "periodic.amplitude_um": 0.1, "saturation.high_V": 41.0, "creep.per_decade": 0.03,
              "creep.from_s": 9.0, "drift.ramp_um_per_s": 1.0}  # fmt: skip
-    assert parameter_errors(hidden, found) == pytest.approx(
+    spreads = {"periodic.f_Hz": 0.25, "creep.per_decade": 0.01}
+    estimates = {key: Estimate(value, spreads.get(key, math.nan)) for key, value in found.items()}
+    compared = compare_parameters(hidden, estimates)
+    assert {key: one.error for key, one in compared.items()} == pytest.approx(
         {"periodic.f_Hz": 0.5, "periodic.amplitude_um": -0.5, "saturation.high_V": 0.02, "creep.per_decade": 0.5}
     )
+    # The truth lies two standard errors of the frequency, and one of the creep, below the estimates.
+    ranks = {key: one.rank for key, one in compared.items() if math.isfinite(one.rank)}
+    assert ranks == pytest.approx({"periodic.f_Hz": 0.02275, "creep.per_decade": 0.15866}, abs=1e-5)

@@ -104,6 +104,9 @@ def test_tables_of_the_paper_hold_every_figure() -> None:
     assert (told["tracking"], told["changes"]) == ([TRACKED.to_json()], [LOSS.to_json()])
 
 
+LAST = {"creep.share": 1.0, "drift.ramp": 0.5}
+
+
 def judged(seed: int, named: tuple[str, ...], relative: float, **more: Any) -> Judgement:
     given = {"category": "creep", "rate_Hz": 1e3, "excitation": "good", "planted": ("creep",), "required": ("creep",)}
     return Judgement(
@@ -115,8 +118,8 @@ def judged(seed: int, named: tuple[str, ...], relative: float, **more: Any) -> J
 def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: Path) -> None:
     records = (
         judged(1, (), 2.0, family="thermal"),
-        judged(2, ("creep",), 3.0, fall=8.0, over_truth=1.5, confidence={"creep": 0.9}),
-        judged(4, ("creep", "drift"), 5.0, fall=6.0, confidence={"creep": 1.0, "drift": 0.95}),
+        judged(2, ("creep",), 3.0, fall=8.0, over_truth=1.5, confidence={"creep": 0.9}, ranks={"creep.share": 0.3}),
+        judged(4, ("creep", "drift"), 5.0, fall=6.0, confidence={"creep": 1.0, "drift": 0.95}, ranks=LAST),
         judged(9, ("drift",), 9.0, category="poor"),
     )
     result = BankResult(records, (1, 9), 5)
@@ -124,6 +127,7 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
     assert (result.exact_rate, result.found_rate) == (pytest.approx(1 / 3), pytest.approx(2 / 3))
     assert (result.smallest(0.5), result.smallest(0.95)) == ({"creep": 2.0}, {"creep": 3.0})
     assert result.parameter_errors() == {"creep.share": (pytest.approx(0.2), pytest.approx(0.4), 3)}
+    assert result.ranks() == {"creep.share": (0, 1, 0, 1)}
     by_hand = (-(2.0 * np.log(0.8) + np.log(0.2)) / 3.0, (0.1**2 + 0.95**2) / 3.0)
     assert result.scores() == pytest.approx(by_hand)
     assert result.calibration() == [(0.0, 0, 0), (0.9, 2, 1), (0.99, 0, 0), (0.999, 1, 1)]

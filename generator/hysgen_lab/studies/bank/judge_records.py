@@ -6,14 +6,16 @@ import contextlib
 import math
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
-from hysgen.diagnosis.evaluation import Extension, Naming, free_run_error, name_causes, prepare
+from hysgen.diagnosis.evaluation import Estimate, Extension, Naming, free_run_error, name_causes, prepare
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import PathSize
 from hysgen_lab.stage import Preisach, Relays, effect_shares, effects
@@ -82,6 +84,7 @@ def judge(hidden: Scenario) -> Judgement:
     fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier[hidden.past :])
     # An effect that the fitted rows do not contain, such as a level that only later rows exceed, cannot be found.
     shares_um = effect_shares(measured, hidden.past + naming.prepared.scene().rows)
+    compared = compare_parameters(hidden, naming.estimates)
     shares = {effects()[name].cause(): share_um for name, share_um in shares_um.items()}
     return Judgement(
         category=hidden.category,
@@ -92,7 +95,8 @@ def judge(hidden: Scenario) -> Judgement:
         required=tuple(name for name in hidden.planted if shares[name] > memory_rms_um),
         named=naming.names,
         relative={name: shares[name] / memory_rms_um for name in hidden.planted},
-        errors=parameter_errors(hidden, naming.parameters),
+        errors={key: one.error for key, one in compared.items()},
+        ranks={key: one.rank for key, one in compared.items() if math.isfinite(one.rank)},
         seconds=seconds,
         experiment=naming.next_experiment,
         fall=fall,
@@ -129,19 +133,32 @@ def memory_model_rms(hidden: Scenario) -> float:
     return rms(error_um[prepared.held_rows])
 
 
-def parameter_errors(hidden: Scenario, parameters: dict[str, float]) -> dict[str, float]:
-    """Signed errors of the parameters found, by "cause.parameter", each in the measure of its `Tolerance`.
+class Compared(NamedTuple):
+    """A parameter that was found beside the true one.
 
-    Of several effects of one kind, the first is compared.
+    error: signed, in the measure of its `Tolerance`. rank: of the truth in the distribution that the estimate states,
+    Phi((truth - value) / standard error), uniform over records where that is right; nan without a standard error.
     """
-    errors: dict[str, float] = {}
+
+    error: float
+    rank: float
+
+
+def compare_parameters(hidden: Scenario, found: Mapping[str, Estimate]) -> dict[str, Compared]:
+    """The parameters found, by "cause.parameter", beside the true ones. Of effects of one kind the first is compared.
+
+    Source of the ranks: Talts et al., Validating Bayesian inference with simulation-based calibration (2018).
+    """
+    compared: dict[str, Compared] = {}
     range_V = float(np.ptp(hidden.u_V))
     for effect in hidden.stage.effects:
         for key, truth in effect.true_parameters().items():
             tolerance = effect.tolerances.get(key, Tolerance())
-            if tolerance is not None and key in parameters and key not in errors and math.isfinite(truth):
-                errors[key] = tolerance.error(parameters[key], truth, range_V)
-    return errors
+            if tolerance is not None and key in found and key not in compared and math.isfinite(truth):
+                value, error = found[key].value, found[key].standard_error
+                rank = float(ndtr((truth - value) / error)) if error > 0.0 else math.nan
+                compared[key] = Compared(tolerance.error(value, truth, range_V), rank)
+    return compared
 
 
 def _one(work: tuple[str, str, int]) -> Judgement:

@@ -26,7 +26,7 @@ class Judgement:
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
     planted cause is extended. Either is nan elsewhere. family: of the hysteresis, "" for the bank's own stage.
     allowed: causes that may be named although they were not planted (`Scenario.allowed`). confidence: of each named
-    cause that has one.
+    cause that has one. ranks: of each parameter (`Compared`).
     """
 
     category: str
@@ -45,6 +45,7 @@ class Judgement:
     family: str = ""
     allowed: tuple[str, ...] = ()
     confidence: dict[str, float] = field(default_factory=dict)
+    ranks: dict[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -149,6 +150,15 @@ class BankResult:
                     gathered.setdefault(key, []).append(abs(error))
         return {key: (float(np.median(v)), float(max(v)), len(v)) for key, v in sorted(gathered.items())}
 
+    def ranks(self) -> dict[str, tuple[int, int, int, int]]:
+        """Per parameter of a required cause: records whose truth lies in each quarter of what the estimate states."""
+        quarters: dict[str, list[int]] = {}
+        for judgement in self.judged():
+            for key, rank in judgement.ranks.items():
+                if key.split(".")[0] in judgement.required:
+                    quarters.setdefault(key, [0, 0, 0, 0])[min(int(4.0 * rank), 3)] += 1
+        return {key: (a, b, c, d) for key, (a, b, c, d) in sorted(quarters.items())}
+
     def calibration(self) -> list[tuple[float, int, int]]:
         """Per class of confidence: its lower edge, the named causes in it, and how many of them were planted."""
         named, classes = self._named(), []
@@ -198,6 +208,7 @@ class BankResult:
             "parameter_errors": {
                 key: {"median": m, "largest": w, "records": c} for key, (m, w, c) in self.parameter_errors().items()
             },
+            "ranks": {key: list(quarters) for key, quarters in self.ranks().items()},
             "calibration": [
                 {"from": low, "named": named, "there": planted} for low, named, planted in self.calibration()
             ],
@@ -249,6 +260,8 @@ class BankResult:
         )
         lines.append("parameters, median and largest error:")
         lines.extend(f"  {key:32}{m:10.3g}{w:10.3g}  of {c}" for key, (m, w, c) in self.parameter_errors().items())
+        lines.append("true parameters in each quarter of what the estimates state (equal if the errors are right):")
+        lines.extend(f"  {key:32}" + "".join(f"{n:5}" for n in quarters) for key, quarters in self.ranks().items())
         lines.append("named with a confidence from .. on, and there:")
         lines.extend(
             f"  {100 * low:5.1f} %{planted:5} of {named}" for low, named, planted in self.calibration() if named
