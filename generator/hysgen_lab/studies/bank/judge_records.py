@@ -95,8 +95,8 @@ def judge(hidden: Scenario) -> Judgement:
         required=tuple(name for name in hidden.planted if shares[name] > memory_rms_um),
         named=naming.names,
         relative={name: shares[name] / memory_rms_um for name in hidden.planted},
-        errors={key: one.error for key, one in compared.items()},
-        ranks={key: one.rank for key, one in compared.items() if math.isfinite(one.rank)},
+        errors={key: both.error for key, both in compared.items()},
+        ranks={key: both.rank for key, both in compared.items() if math.isfinite(both.rank)},
         seconds=seconds,
         experiment=naming.next_experiment,
         fall=fall,
@@ -144,7 +144,7 @@ class Compared(NamedTuple):
     rank: float
 
 
-def compare_parameters(hidden: Scenario, found: Mapping[str, Estimate]) -> dict[str, Compared]:
+def compare_parameters(hidden: Scenario, estimates: Mapping[str, Estimate]) -> dict[str, Compared]:
     """The parameters found, by "cause.parameter", beside the true ones. Of effects of one kind the first is compared.
 
     Source of the ranks: Talts et al., Validating Bayesian inference with simulation-based calibration (2018).
@@ -154,8 +154,8 @@ def compare_parameters(hidden: Scenario, found: Mapping[str, Estimate]) -> dict[
     for effect in hidden.stage.effects:
         for key, truth in effect.true_parameters().items():
             tolerance = effect.tolerances.get(key, Tolerance())
-            if tolerance is not None and key in found and key not in compared and math.isfinite(truth):
-                value, error = found[key].value, found[key].standard_error
+            if tolerance is not None and key in estimates and key not in compared and math.isfinite(truth):
+                value, error = estimates[key].value, estimates[key].standard_error
                 rank = float(ndtr((truth - value) / error)) if error > 0.0 else math.nan
                 compared[key] = Compared(tolerance.error(value, truth, range_V), rank)
     return compared
