@@ -7,7 +7,6 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,6 @@ from hysgen.diagnosis.probe.chain import respond
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.record import Record
 from hysgen.record.series import residual_noise
-from hysgen.report.words import parameter_text
 
 NOISE_NM = 0.5
 
@@ -72,15 +70,6 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(
 
 
 @pytest.mark.slow
-def test_confidence_is_the_posterior_probability_and_none_for_corrupted_samples(found: Diagnosis) -> None:
-    outliers, memory = found.causes
-    assert memory.bayes is not None
-    assert memory.to_json()["log_bayes_factor"] == 0.5 * memory.bayes
-    assert memory.to_json()["confidence"] == memory.confidence
-    assert outliers.to_json()["confidence"] is None
-
-
-@pytest.mark.slow
 def test_a_number_that_is_not_finite_is_null_in_json(found: Diagnosis) -> None:
     unknown = {"per_s": Estimate(1.0, math.inf), "from_s": Estimate(2.0, math.nan)}
     lost = dataclasses.replace(found.causes[1], parameters=unknown, statistic=math.inf)
@@ -89,14 +78,6 @@ def test_a_number_that_is_not_finite_is_null_in_json(found: Diagnosis) -> None:
     assert result["statistic"] is None
     whole = dataclasses.replace(found, causes=(lost,), probe_rms_um=math.nan)
     assert json.loads(json.dumps(whole.to_json(), allow_nan=False))["probe_rms_um"] is None
-
-
-@pytest.mark.slow
-def test_the_unit_of_a_parameter_is_printed_behind_its_value(found: Diagnosis) -> None:
-    rates = {"rate_V_per_s": Estimate(800.0, 3.0), "ramp_um_per_s": Estimate(0.5, math.nan)}
-    memory = dataclasses.replace(found.causes[1], parameters={**rates, "per_s": Estimate(0.1, 0.01)})
-    study: Any = SimpleNamespace(diagnosis=dataclasses.replace(found, causes=(memory,)))
-    assert parameter_text(study, "memory") == "rate 800.0 ± 3.0 V/s, ramp 0.5 um/s, per s 0.100 ± 0.010"
 
 
 def planted(samples: int) -> tuple[Scene, Fit]:

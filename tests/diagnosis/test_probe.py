@@ -181,11 +181,6 @@ def test_creep_of_a_past_step_is_that_of_a_step_in_the_record() -> None:
     assert np.ptp(columns(kept_V, past) - whole, axis=1).max() < 1e-3
 
 
-def test_rate_limiter_reaches_every_level_within_its_rate() -> None:
-    u_V = np.array([0.0, 5.0, 5.0, 5.0, -1.0, 9.0])
-    np.testing.assert_array_equal(Slew(2.0, 2.0).apply(u_V, 1.0), [0.0, 2.0, 4.0, 5.0, 3.0, 5.0])
-
-
 def test_chain_and_its_coordinates_are_inverse_to_each_other() -> None:
     parts = (
         Saturation(-3.0, 80.0),

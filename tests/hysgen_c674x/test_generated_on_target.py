@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,9 +12,6 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.proof_models import model, texts
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
 from hysgen.checking.host import Host
-from hysgen.codegen import generate
-from hysgen.errors import BuildError
-from hysgen.model.file import load_model
 from hysgen_c674x import toolchain
 from hysgen_c674x.cycles import bounds
 from hysgen_c674x.equality import verify_on_target
@@ -102,9 +98,3 @@ def test_one_bit_of_one_constant_is_seen_and_told(monkeypatch: pytest.MonkeyPatc
     report = verify_on_target(model("appendix_a"), texts("appendix_a"), SAMPLES)
     assert not report.equal
     assert any("DIFFERENT" in note and "the host's is 0x" in note for note in report.notes())
-
-
-def test_without_the_compiler_the_message_says_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HYSGEN_C674X", str(tmp_path))
-    with pytest.raises(BuildError, match=r"run firmware/toolchain/build_c674x\.sh"):
-        cycle_bounds("appendix_a", generate(load_model("appendix_a")))

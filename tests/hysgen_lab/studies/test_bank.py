@@ -17,9 +17,9 @@ from hysgen.cli.console import Console
 from hysgen.cli.main import parser
 from hysgen.errors import HysgenError
 from hysgen_lab.stage.families import FAMILIES
-from hysgen_lab.studies.bank import BankResult, Judgement, limits, run, scenario
+from hysgen_lab.studies.bank import BankResult, Judgement, run, scenario
 from hysgen_lab.studies.bank.family_scenario import family_scenario
-from hysgen_lab.studies.bank.limits import PARAMETERS, QUIET, RECORDS
+from hysgen_lab.studies.bank.limits import PARAMETERS
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.scenario import CATEGORIES, EFFECTS, Scenario
 from hysgen_lab.verbs import LABORATORY, studies
@@ -116,22 +116,6 @@ def right(category: str, seed: int) -> Judgement:
     errors = {key: 0.5 * most for key, most in PARAMETERS.items() if key.startswith(category)}
     relative = dict.fromkeys(planted, 2.0)
     return Judgement(category, seed, 1e3, "good", planted, planted, planted, relative, errors, 0.1, "", 15.0, 1.0)
-
-
-def full() -> list[Judgement]:
-    """As many records as the limits speak of."""
-    hiding = sorted({key.split(".")[0] for key in PARAMETERS})
-    loud = [right(hiding[i % len(hiding)], i) for i in range(RECORDS - QUIET)]
-    return loud + [right("memory", i) for i in range(QUIET)]
-
-
-def judged(judgements: list[Judgement]) -> dict[str, str]:
-    """Marks of all limits by name."""
-    return {limit.name: limit.mark for limit in limits(BankResult(tuple(judgements), (0,), len(judgements)))}
-
-
-def test_a_run_without_error_meets_every_limit() -> None:
-    assert set(judged(full()).values()) == {"met"}
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, stop_at: int | None = None) -> list[tuple[str, int]]:
