@@ -65,13 +65,11 @@ def header(lines: Sequence[str], above: Sequence[int], start: Start) -> tuple[tu
     return names, units
 
 
-def below_header(source: str, lines: Sequence[str], at: int, separator: str) -> tuple[int, tuple[str, ...]]:
-    """The last of the lines without any number that follow a header, and a remark; the header if none does."""
+def below_header(lines: Sequence[str], at: int, separator: str) -> int:
+    """The last of the lines without any number that follow a header; the header if none does."""
     data = [i for i in range(at + 1, len(lines)) if is_data(lines[i])][: HEADER_LINES + 1]
     first = next((i for i in data if any(is_value(one) for one in split(lines[i], separator))), None)
-    if first is None or not data or first == data[0]:
-        return at, ()
-    return first - 1, (f"{source}: the table begins in line {first + 1}",)
+    return at if first is None or first == data[0] else first - 1
 
 
 def matching(line: str, start: Start) -> tuple[str, ...]:

@@ -11,14 +11,12 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import SEPARATORS, Columns
 from hysgen.record.header import (
-    Preamble,
     Start,
-    are_units,
     below_header,
     header,
     labels_names,
@@ -29,7 +27,6 @@ from hysgen.record.header import (
 from hysgen.record.spelling import (
     CANDIDATES,
     COMMENT,
-    THOUSANDS,
     is_data,
     is_value,
     quantity,
@@ -92,93 +89,61 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
         raise RecordError(f"{source}: is XML, not a table; export it as CSV")
     given = columns.separator and SEPARATORS.get(columns.separator, columns.separator)
     lines = _head(text)
-    if lines and (told := re.fullmatch(r'"?sep=(.)"?', lines[0].strip())):
-        given = given or told.group(1)
+    if lines and (line := re.fullmatch(r'"?sep=(.)"?', lines[0].strip())):
+        given = given or line.group(1)
         # Offsets into the text are lengths of lines.
-        lines[0] = COMMENT.ljust(len(told.group(0)))
+        lines[0] = COMMENT.ljust(len(line.group(0)))
     if not any(is_data(line) for line in lines):
         raise RecordError(f"{source}: holds only comments; record some samples")
-    named = _named_header(lines, columns, given)
-    if named is not None:
-        at, separator = named
-        names = split_header(lines[at], separator)
-        return _made(source, text, lines, columns, at, names, separator)
-    at = next(i for i, line in enumerate(lines) if is_data(line))
-    separator = given or max(",;\t", key=lines[at].count)
-    if given is None:
-        _check_upright(source, lines, at, separator)
-    start = _first_numbers(lines, columns, given)
-    if start is None:
-        if given is None and sum(map(is_data, lines)) > 1 and not any(_holds_numbers(line) for line in lines):
+    named, start = _named_header(lines, columns, given), None
+    if named is None:
+        at = next(i for i, line in enumerate(lines) if is_data(line))
+        named = at, given or max(",;\t", key=lines[at].count)
+        if given is None:
+            _check_upright(source, lines, *named)
+        start = _first_numbers(lines, columns, given)
+        if start is None and given is None and sum(map(is_data, lines)) > 1 and not any(map(_holds_numbers, lines)):
             raise RecordError(
                 f"{source}: line {at + 1}: holds no columns ('{lines[at].strip()[:40]}'); save time, voltage and "
                 "displacement as columns, or give --columns separator=..."
             )
-        return _made(source, text, lines, columns, at, split_header(lines[at], separator), separator)
-    return _around(source, text, lines, columns, start)
-
-
-def _around(source: str, text: str, lines: list[str], columns: Columns, start: Start) -> Layout:
-    """The layout with the header, the row of units and the preamble before the first row of numbers."""
+    names: tuple[str, ...] = ()
+    top = 1
+    if start is None:
+        start, names = _below(lines, columns, *named)
+        top = named[0]
     above = [i for i in range(start.at) if is_data(lines[i]) or without_comment(lines[i])]
-    told = _told(lines[: start.at], start.separator, start.fields)
-    names, units = told.names, told.units
-    if not names:
-        names, beside = header(lines, above, start)
-        units = beside or units
+    told = preamble_of([without_comment(line) for line in lines[: start.at]], start.separator, start.fields)
+    units, known = told.units, names or unique(told.names)
+    if names or not known:
+        nearest, beside = header(lines, above, start)
+        names, units = names or nearest, beside or units
+    names = names or known
     by_name = units_by_name(names, units) if names and units else {}
-    headed = bool(names)
-    if not headed and above and 2 * len(split(lines[above[-1]], start.separator)) == start.fields:
+    if not names and above and 2 * len(split(lines[above[-1]], start.separator)) == start.fields:
         raise RecordError(
             f"{source}: line {start.at + 1}: has {start.fields} fields, the header half as many; if its decimal signs "
             "are commas too, save it with semicolons between the columns"
         )
-    if not headed:
-        names = tuple(str(position) for position in range(start.fields))
-    skipped = start.at - len(above[-1:]) - bool(by_name)
-    remarks = (f"{source}: the table begins in line {start.at + 1}",) if skipped > 1 and headed else ()
-    body = text[sum(len(line) + 1 for line in lines[: start.at]) :]
-    first = start.at + 1
-    return Layout(source, names, start.separator, body, first, start.comma, headed, by_name, told.Ts_s, remarks)
+    skipped = start.at - 1 - top - bool(by_name)
+    remarks = (f"{source}: the table begins in line {start.at + 1}",) if skipped > 0 and names else ()
+    shown = names or tuple(str(position) for position in range(start.fields))
+    body, first = text[sum(len(line) + 1 for line in lines[: start.at]) :], start.at + 1
+    return Layout(source, shown, start.separator, body, first, start.comma, bool(names), by_name, told.Ts_s, remarks)
 
 
-def _told(lines: Sequence[str], separator: str, fields: int) -> Preamble:
-    """What the lines above the table say, with names that differ from each other."""
-    told = preamble_of([without_comment(line) for line in lines], separator, fields)
-    return replace(told, names=unique(told.names))
-
-
-def _made(
-    source: str, text: str, lines: list[str], columns: Columns, at: int, names: Sequence[str], separator: str
-) -> Layout:
-    """The layout with a known header in line `at`; a row of units may follow it."""
-    names = unique(names)
-    told = _told(lines[:at], separator, len(names))
-    units: dict[str, str] = units_by_name(names, told.units) if told.units else {}
-    after = next((i for i in range(at + 1, len(lines)) if is_data(lines[i])), None)
-    if after is not None and len(fields := split(lines[after], separator)) == len(names) and are_units(fields):
-        units = units_by_name(names, fields)
-        at = after
-    above = split(lines[at - 1], separator) if at and not units else []
-    if len(above) == len(names) and are_units(above):
-        units = units_by_name(names, above)
-    at, remarks = below_header(source, lines, at, separator)
-    row = next((split(lines[i], separator) for i in range(at + 1, len(lines)) if is_data(lines[i])), [])
+def _below(lines: list[str], columns: Columns, at: int, separator: str) -> tuple[Start, tuple[str, ...]]:
+    """The first row below a header in line `at`, which may not be sound, and the names."""
+    names = unique(split_header(lines[at], separator))
+    last = below_header(lines, at, separator)
+    row = next((split(line, separator) for line in lines[last + 1 :] if is_data(line)), [])
     if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
         names = names[:-1]  # the column of remarks of LabVIEW, which rows leave out
     elif len(names) == len(row) - 1 and not row[-1]:
         names = (*names, "")  # a separator behind every row
-    first = next((lines[i] for i in range(at + 1, len(lines)) if is_data(lines[i])), "")
-    comma = columns.decimal == "," or (
-        columns.decimal is None
-        and (separator != "," or '"' in first)
-        and (
-            any("," in one and not THOUSANDS[False].fullmatch(one) for one in split(first, separator))
-            or all("," in one and "." not in one for one in split(first, separator) if one)
-        )
-    )
-    body = text[sum(len(line) + 1 for line in lines[: at + 1]) :]
-    return Layout(source, tuple(names), separator, body, at + 2, comma, True, units, told.Ts_s, remarks)
+    numbers = _first_numbers(lines[last + 1 :], columns, separator)
+    comma = columns.decimal == "," if numbers is None else numbers.comma
+    return Start(last + 1, separator, comma, len(names)), names
 
 
 def _named_header(lines: list[str], columns: Columns, given: str | None) -> tuple[int, str] | None:
