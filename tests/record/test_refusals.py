@@ -108,7 +108,7 @@ BAD = [
         "no time at all",
         "a.npz",
         npz(**sound(time_s=None)),
-        ("no time array 'time_s'", "it holds", "--columns time=NAME or --columns Ts_s=SECONDS"),
+        ("no time array 'time_s'", "it holds", "time=NAME", "--columns Ts_s=SECONDS"),
     ),
     Bad("short aux", "a.npz", npz(**sound(temp=U_V[:9])), ("temp has 9 samples, voltage_V has 400", "leave the")),
     Bad("short time", "a.npz", npz(**sound(time_s=TIME_S[:9])), ("time_s has 9", "voltage_V has 400", "one per")),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -12,9 +13,10 @@ import pytest
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import Columns
-from hysgen.record.csv_text import CsvTable, read_csv, write_csv
+from hysgen.record.csv_text import read_csv, write_csv
+from hysgen.record.formats import FileArrays, Text
 from hysgen.record.formats.hdf5 import read_tables
-from hysgen.record.runs import at_gaps, runs_of_arrays, runs_of_table, shifted
+from hysgen.record.runs import at_gaps, runs_of_arrays, shifted
 from hysgen.record.segment import NO_STAMPS, Origin, Segment
 
 N = 12
@@ -61,8 +63,8 @@ def test_gaps_part_a_run_and_a_run_without_time_is_whole() -> None:
     assert len(list(at_gaps(run().part(0, 1)))) == 1
 
 
-def table(columns: dict[str, np.ndarray], chosen: Columns, starts: tuple[int, ...] = ()) -> CsvTable:
-    return CsvTable(tuple(columns), columns, chosen, None, lambda row: f"line {row + 2}", (), starts)
+def table(columns: dict[str, np.ndarray], starts: tuple[int, ...] = ()) -> FileArrays:
+    return FileArrays(columns, names=tuple(columns), locate=lambda row: f"line {row + 2}", starts=starts)
 
 
 CHOSEN = Columns(time="t", voltage="u", displacement="y")
@@ -70,52 +72,52 @@ CHOSEN = Columns(time="t", voltage="u", displacement="y")
 
 def test_a_header_that_stands_again_parts_a_run_unless_the_time_goes_on() -> None:
     columns = {"t": K, "u": K, "y": K}
-    assert len(runs_of_table("f", table(columns, CHOSEN, (5,)))) == 1
+    assert len(runs_of_arrays("f", table(columns, (5,)), CHOSEN)) == 1
     again = {**columns, "t": np.concatenate([K[:5], K[:7]])}
-    parts = runs_of_table("f", table(again, CHOSEN, (5,)))
+    parts = runs_of_arrays("f", table(again, (5,)), CHOSEN)
     assert [(part.name, len(part.u_V)) for part in parts] == [("0", 5), ("1", 7)]
     untimed = {"u": K, "y": K}
     period = Columns(time="", voltage="u", displacement="y", Ts_s=1.0)
-    assert len(runs_of_table("f", table(untimed, period, (5,)))) == 2
+    assert len(runs_of_arrays("f", table(untimed, (5,)), period, 1.0)) == 2
 
 
 def test_segment_numbers_part_a_run_and_come_back_to_no_earlier_one() -> None:
     numbers = np.repeat([1.0, 2.5, 7.0], 4)
     columns = {"t": K, "u": K, "y": K, "segment": numbers}
-    parts = runs_of_table("f", table(columns, CHOSEN))
+    parts = runs_of_arrays("f", table(columns), CHOSEN)
     assert [(part.name, part.u_V[0]) for part in parts] == [("1", 0.0), ("2.5", 4.0), ("7", 8.0)]
     assert "segment" not in parts[0].aux
     with pytest.raises(RecordError, match="has no segment column 'part'"):
-        runs_of_table("f", table(columns, Columns(time="t", voltage="u", displacement="y", segment="part")))
+        runs_of_arrays("f", table(columns), replace(CHOSEN, segment="part"))
     columns["segment"] = np.repeat([1.0, 2.0, 1.0], 4)
     with pytest.raises(RecordError, match="line 10: segment 1 comes back after another"):
-        runs_of_table("f", table(columns, CHOSEN))
+        runs_of_arrays("f", table(columns), CHOSEN)
     columns["segment"][3] = np.nan
     with pytest.raises(RecordError, match="line 5: segment is nan; number every row"):
-        runs_of_table("f", table(columns, CHOSEN))
+        runs_of_arrays("f", table(columns), CHOSEN)
 
 
 def test_arrays_of_two_groups_are_two_runs_and_lengths_agree() -> None:
     groups: dict[str, Any] = {f"{g}/{name}": K + g for g in (1, 2) for name in ("t", "u", "y", "more")}
     groups["Ts"] = np.array([1.0])
-    found = runs_of_arrays("f", groups, CHOSEN)
+    found = runs_of_arrays("f", FileArrays(groups), CHOSEN)
     assert [(one.name, one.u_V[0], one.aux["more"][0]) for one in found] == [("1", 1, 1), ("2", 2, 2)]
     with pytest.raises(RecordError, match="t has 11 samples, u has 12; give every channel one per sample"):
-        runs_of_arrays("f", {"t": K[:-1], "u": K, "y": K}, CHOSEN)
-    numbered = runs_of_arrays("f", {"t": K, "u": K, "y": K, "segment": np.repeat([4.0, 5.0], 6)}, CHOSEN)
+        runs_of_arrays("f", FileArrays({"t": K[:-1], "u": K, "y": K}), CHOSEN)
+    numbered = runs_of_arrays("f", FileArrays({"t": K, "u": K, "y": K, "segment": np.repeat([4.0, 5.0], 6)}), CHOSEN)
     assert [one.name for one in numbered] == ["4", "5"]
     with pytest.raises(RecordError, match="segment has 11 samples, u has 12"):
-        runs_of_arrays("f", {"t": K, "u": K, "y": K, "segment": np.ones(11)}, CHOSEN)
+        runs_of_arrays("f", FileArrays({"t": K, "u": K, "y": K, "segment": np.ones(11)}), CHOSEN)
     two = Columns(time="", voltage="u[:,:]", displacement="y", Ts_s=1.0)
     with pytest.raises(RecordError, match=r"selects \d+ series and 'y' 1; select the same segments from both"):
-        runs_of_arrays("f", {"u": np.stack([K, K]), "y": K}, two, 1.0)
+        runs_of_arrays("f", FileArrays({"u": np.stack([K, K]), "y": K}), two, 1.0)
 
 
 # Text
 
 
-def text(*lines: str) -> bytes:
-    return ("\n".join(lines) + "\n").encode()
+def text(*lines: str) -> Text:
+    return Text(("\n".join(lines) + "\n").encode())
 
 
 def test_numbers_are_written_so_that_they_read_back() -> None:
@@ -126,9 +128,9 @@ def test_numbers_are_written_so_that_they_read_back() -> None:
 
 @pytest.mark.parametrize(("last", "kept", "said"), [("3,4,5", 4, False), ("3,4", 3, True), ("3", 3, True)])
 def test_a_last_line_cut_short_is_left_out_and_a_whole_one_is_not(last: str, kept: int, said: bool) -> None:
-    data = text("time_s,voltage_V,displacement_um", "0,1,2", "1,2,3", "2,3,4", last)[:-1]
-    found = read_csv("f", data, Columns())
-    assert len(found.columns["voltage_V"]) == kept
+    data = text("time_s,voltage_V,displacement_um", "0,1,2", "1,2,3", "2,3,4", last)
+    found, _ = read_csv("f", Text(data.data[:-1]), Columns())
+    assert len(found.arrays["voltage_V"]) == kept
     assert any("cut short" in remark for remark in found.remarks) is said
 
 
@@ -137,7 +139,7 @@ def test_a_second_time_is_the_same_within_half_a_step(apart: float, same: bool) 
     lines = [f"{k},{k % 5},{k + (apart if k == 3 else 0)},{k % 7}" for k in range(20)]
     data = text("time_s,voltage_V,time_s,displacement_um", *lines)
     if same:
-        assert set(read_csv("f", data, Columns()).columns) == {"time_s", "voltage_V", "displacement_um"}
+        assert set(read_csv("f", data, Columns())[0].arrays) == {"time_s", "voltage_V", "displacement_um"}
     else:
         with pytest.raises(RecordError, match=r"differ by up to 0\.51: the channels were sampled at different times"):
             read_csv("f", data, Columns())
@@ -148,8 +150,7 @@ def test_without_a_header_time_is_the_column_that_rises_evenly(gap: float, timed
     """A step of 3 times the mean is the largest; 19 steps, of which one is a gap."""
     times = np.cumsum(np.where(np.arange(20) == 10, gap * 18 / (19 - gap), 1.0))
     data = text(*(f"{5 - k % 3},{t:.6f},{k % 7}" for k, t in enumerate(times.tolist())))
-    found = read_csv("f", data, Columns(Ts_s=None))
-    chosen = found.chosen
+    _, chosen = read_csv("f", data, Columns(Ts_s=None))
     assert (chosen.time == "1") is timed
     assert (chosen.voltage, chosen.displacement) == (("0", "2") if timed else ("0", "1"))
 
@@ -158,18 +159,18 @@ def test_without_a_header_time_is_the_column_that_rises_evenly(gap: float, timed
 def test_a_column_that_names_what_each_row_holds_is_refused(kinds: int, refused: bool) -> None:
     lines = [f"{k},c{k % kinds},{k % 4}" for k in range(20)]
     with pytest.raises(RecordError) as fault:
-        runs_of_table("f", read_csv("f", text("time_s,channel,value", *lines), Columns()))
+        runs_of_arrays("f", *read_csv("f", text("time_s,channel,value", *lines), Columns()))
     assert ("names what each row holds (c0, c1" in str(fault.value)) is refused
 
 
 def test_columns_of_words_are_left_out_with_a_remark_unless_channels_are_chosen() -> None:
     data = text("time_s,voltage_V,displacement_um,note,temp", "0,1,2,ok,20", "1,2,3,ok,21")
-    found = read_csv("f", data, Columns())
-    assert set(found.columns) == {"time_s", "voltage_V", "displacement_um", "temp"}
+    found, _ = read_csv("f", data, Columns())
+    assert set(found.arrays) == {"time_s", "voltage_V", "displacement_um", "temp"}
     assert [remark for remark in found.remarks if "note" in remark] == [
         "f: column note holds 'ok', not numbers, and is left out"
     ]
-    assert read_csv("f", data, Columns.from_text("aux=temp")).remarks == ()
+    assert read_csv("f", data, Columns.from_text("aux=temp"))[0].remarks == ()
 
 
 # Tables of MATLAB

@@ -10,30 +10,28 @@ from dataclasses import replace
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.columns import OWN, Columns, nearest
+from hysgen.record.columns import NONE, OWN, Columns, nearest, split_unit
 from hysgen.record.formats import FileArrays, names_of
 from hysgen.record.formats.base import Array, period_in
-from hysgen.record.names import ROLES, guessed
+from hysgen.record.names import ROLES, WORDS, guessed, to_paste, words_of
 
 
-def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list[tuple[str, Array]]:
-    """The series named by `text`: "name", "group/name" or "name[selection]".
+def find(source: str, file: FileArrays, columns: Columns, role: str, text: str) -> list[tuple[str, Array]]:
+    """The series named by `text`: "name", "group/name" or "name[selection]"; of a table, "name" alone.
 
     In a selection, a number is an index on its axis, the first ':' (or 'a:b') is the time axis, and each further ':' is
     an axis of segments; indices start at 0. Returns (label, (n,) array) for each segment.
     Raises RecordError if there is no such array, if it has several axes and no selection, or if an index is outside.
     """
-    chosen = None if key_of(arrays, text) else re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
+    if text == NONE:
+        return [("0", np.zeros(max(array.shape[0] for array in file.arrays.values() if array.ndim)))]
+    plain = file.names or key_of(file.arrays, text)
+    chosen = None if plain else re.fullmatch(r"(.+?)\s*\[([^\[\]]*)\]\s*", text)
     name, index = chosen.groups() if chosen else (text, None)
-    key = key_of(arrays, name)
+    key = key_of(file.arrays, name)
     if key is None:
-        there = ", ".join(sorted(arrays)) or "no numeric arrays"
-        cure = f"--columns {role}=NAME" + (" or --columns Ts_s=SECONDS" if role == "time" else "")
-        raise RecordError(
-            f"{source}: has no {role} array '{name}'{nearest(name, arrays)}; it holds {there}; "
-            f"say which one it is: {cure}"
-        )
-    array = arrays[key]
+        raise RecordError(_absent(source, file, columns, role, name))
+    array = file.arrays[key]
     if index is None:
         vector = np.squeeze(array)
         if vector.ndim > 1:
@@ -43,6 +41,32 @@ def find(source: str, arrays: Mapping[str, Array], role: str, text: str) -> list
             )
         return [("0", np.atleast_1d(vector))]
     return list(_series(source, name, array, index))
+
+
+def _absent(source: str, file: FileArrays, columns: Columns, role: str, name: str) -> str:
+    """What to say of a series that is not there, with those that are. Raises RecordError for one of another unit."""
+    there = file.names or sorted(file.arrays)
+    free = columns.quantities.other
+    # A name may have the word of the role, and the unit of another quantity.
+    for other in there if role in ("voltage", "displacement") and not free and len(there) > 1 else ():
+        if set(words_of(other)) & set(WORDS[role]) and (unit := split_unit(other)[1]):
+            columns.named({role: other}).check_unit(role, unit, source)
+    cure = f"say which one it is: {to_paste(columns, {}, there)}"
+    if role == "aux":
+        cure = "give each further channel its own aux=NAME, as aux=a,aux=b"
+    if role == "displacement" and not free:
+        cure += "; if it holds another quantity, say both, as input=field [mT],output=angle [deg]"
+    if role == "time":
+        cure += " or, without time stamps, --columns Ts_s=SECONDS"
+    if file.names and role != "time" and sum(one not in (columns.time, columns.segment) for one in file.arrays) == 1:
+        cure = (
+            "the file holds one channel; put voltage and displacement into one, as with "
+            "paste -d, VOLTAGE.csv DISPLACEMENT.csv > record.csv"
+        )
+    if len(file.names) == 1:
+        cure = "give --columns separator=... if that is several names in one"
+    kind, holds = ("column", "the header names") if file.names else ("array", "it holds")
+    return f"{source}: has no {role} {kind} '{name}'{nearest(name, there)}; {holds} {', '.join(there)}; {cure}"
 
 
 def key_of(arrays: Mapping[str, Array], name: str) -> str | None:

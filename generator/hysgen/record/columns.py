@@ -36,6 +36,8 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
 BASE = {"time": "s", "voltage": "V", "displacement": "um"}
 OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_um"}
 """Names of the columns in hysgen's own files."""
+NONE = "\0"
+"""Name of a column that no file has, where one of both quantities is wanted."""
 IN_WORDS = {word: unit for unit, words in VOCABULARY["units"].items() for word in words.split()}
 """Units in full, lower case."""
 _NUMBERS: dict[str, tuple[type, str]] = {

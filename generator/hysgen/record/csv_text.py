@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.checks import SHORTEST
-from hysgen.record.columns import Columns, plain_unit, split_unit
+from hysgen.record.columns import NONE, Columns, plain_unit, split_unit
 from hysgen.record.formats.base import FileArrays, Text
 from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
@@ -31,27 +31,8 @@ from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, 
 from hysgen.record.text import as_table, text_of, unwrapped
 
 
-@dataclass(frozen=True, eq=False)
-class CsvTable:
-    """Columns of a text table.
-
-    names: of all columns, numeric or not. columns: (n,) numbers by name. chosen: the columns of time, voltage and
-    displacement, as given or as guessed. Ts_s: sampling period in the preamble, if any.
-    locate: row number to "line 12". remarks: one line each, for the user. starts: rows before which the header stands
-    again.
-    """
-
-    names: tuple[str, ...]
-    columns: dict[str, NDArray[np.float64]]
-    chosen: Columns
-    Ts_s: float | None
-    locate: Callable[[int], str]
-    remarks: tuple[str, ...]
-    starts: tuple[int, ...] = ()
-
-
-def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
-    """The numeric columns of a text file, in the units of the file.
+def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, Columns]:
+    """The numeric columns of a text file, in the units of the file, and those of the roles, as given or as guessed.
 
     Accepted: a byte order mark, UTF-16, CRLF, blank lines, comments after '#' or '%', quotes, a preamble, a row of
     units, units in the cells, a decimal comma, separators between thousands, Fortran exponents, times of day, no
@@ -59,7 +40,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     Columns whose first value is not a number are left out with a remark, unless `columns` names them.
     Raises RecordError with file, line, column and cure.
     """
-    text, padding = text_of(source, data)
+    text, padding = text_of(source, content.data)
     text, export = as_table(source, text)
     text, form = unwrapped(source, text)
     layout = layout_of(source, text, columns)
@@ -93,7 +74,7 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
     wanted.discard("")
-    use, remarks = [], [*padding, *export, *form, *layout.remarks, *([guess] if guess else [])]
+    use, remarks = [], [*content.remarks, *padding, *export, *form, *layout.remarks, *([guess] if guess else [])]
     remarks += (f"{source}: column {name} is empty in every row and is left out" for name in empty if layout.headed)
     if stated_s is not None:
         remarks.append(f"{source}: is sampled every {stated_s:g} s, as the lines above the table say")
@@ -113,25 +94,8 @@ def read_csv(source: str, data: bytes, columns: Columns) -> CsvTable:
     table = {layout.names[position]: numbers.values[:, place] for place, position in enumerate(use)}
     table = _with_one_time(source, table, columns.time)
     names = tuple(filter(None, layout.names))
-    return CsvTable(names, table, columns, layout.Ts_s, numbers.locate, tuple(remarks), numbers.starts)
-
-
-def table_arrays(source: str, content: Text, columns: Columns) -> FileArrays:
-    """The numeric columns of a text file as arrays by name, whatever they are. Raises RecordError as `read_csv`."""
-    text, padding = text_of(source, content.data)
-    text, export = as_table(source, text)
-    layout = layout_of(source, text, columns)
-    first_row = next((fields for _, fields in layout.rows()), [])
-    use = [
-        at
-        for at, (name, value) in enumerate(zip(layout.names, first_row, strict=False))
-        if name and quantity(value, layout.comma) is not None
-    ]
-    numbers = numbers_of(layout, use)
-    arrays = {layout.names[at]: numbers.values[:, place] for place, at in enumerate(use)}
-    remarks = (*content.remarks, *padding, *export, *layout.remarks, *numbers.remarks)
-    units = {name: layout.units[name] for name in arrays if layout.units.get(name)}
-    return FileArrays(arrays, units, layout.Ts_s, remarks)
+    file = FileArrays(table, {}, layout.Ts_s, tuple(remarks), names, numbers.locate, numbers.starts)
+    return file, columns
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
@@ -168,7 +132,7 @@ def _stated_unit(layout: Layout, first_row: Sequence[str], columns: Columns, rol
 
 def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
     """Raises RecordError for a table with a value a row, and a column that says what the value is."""
-    if {columns.voltage, columns.displacement} <= set(layout.names):
+    if {columns.voltage, columns.displacement} <= {*layout.names, NONE}:
         return
     every = [fields for _, fields in layout.rows()]
     rows = every[:50]

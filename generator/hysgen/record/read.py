@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.checks import check_finite
-from hysgen.record.columns import OWN, Columns, nearest
-from hysgen.record.csv_text import read_csv, table_arrays, write_csv
+from hysgen.record.columns import NONE, Columns, nearest
+from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record
 from hysgen.record.formats import FileArrays, Text, open_checked
-from hysgen.record.runs import DEFAULT, Content, checked, columns_of, of_file_arrays, runs_of_table
+from hysgen.record.runs import DEFAULT, Content, checked, columns_of, of_file_arrays, runs_of_arrays
 from hysgen.record.sampling import JITTER
 
 
@@ -90,14 +90,7 @@ def load_series(
     Raises RecordError for a file that cannot be read, a number that is not finite, or times that do not rise.
     """
     file, other = Path(path), "voltage" if role == "displacement" else "displacement"
-    content = _opened(file)
-    if isinstance(content, Text):
-        content = table_arrays(file.name, content, columns)
-    size = max((array.shape[0] for array in content.arrays.values() if array.ndim), default=0)
-    # The other quantity, under hysgen's own name, so that the readers of records read the file.
-    absent = getattr(columns, other) if columns.quantities.other else OWN[other]
-    stand_in = {absent: np.arange(float(size))} if absent not in content.arrays else {}
-    read = of_file_arrays(file.name, replace(content, arrays={**content.arrays, **stand_in}), columns)
+    read = _content(file, columns.named({other: NONE}))
     run = read.runs[0]
     check_finite(run)
     values = run.y_um if role == "displacement" else run.u_V
@@ -108,7 +101,7 @@ def load_series(
     if values.size < 2 or not (np.diff(time_s) > 0.0).all():
         row = int(np.argmin(np.diff(time_s))) + 1 if values.size > 1 else 0
         raise RecordError(f"{file.name}: row {row}: the time does not rise; give two rows or more in the order of time")
-    return Series(time_s, values, file.name, content.remarks)
+    return Series(time_s, values, file.name, read.remarks)
 
 
 def record_csv(record: Record) -> str:
@@ -163,11 +156,11 @@ def _opened(path: Path) -> Text | FileArrays:
 
 def _content(path: Path, columns: Columns) -> Content:
     content = _opened(path)
-    if isinstance(content, Text):
-        table = read_csv(path.name, content.data, columns)
-        remarks = (*content.remarks, *table.remarks)
-        return Content(runs_of_table(path.name, table), table.chosen, remarks, table.chosen.Ts_s or table.Ts_s)
-    return of_file_arrays(path.name, content, columns)
+    if not isinstance(content, Text):
+        return of_file_arrays(path.name, content, columns)
+    table, columns = read_csv(path.name, content, columns)
+    runs = runs_of_arrays(path.name, table, columns, columns.Ts_s)
+    return Content(runs, columns, table.remarks, columns.Ts_s or table.Ts_s)
 
 
 def _named_after(record: Record, stem: str) -> Record:

@@ -16,16 +16,14 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 from hysgen.record.arrays import chosen_arrays, find, key_of
 from hysgen.record.checks import check_finite, check_marks, check_values
-from hysgen.record.columns import Columns, nearest, split_unit
-from hysgen.record.csv_text import CsvTable
+from hysgen.record.columns import Columns, nearest
 from hysgen.record.derived_channels import left_out
 from hysgen.record.formats import FileArrays
 from hysgen.record.formats.base import Array, Series, collected
-from hysgen.record.names import WORDS, to_paste, words_of
 from hysgen.record.names import doubts as doubts_of_units
 from hysgen.record.relation import held, rate, relation, scale
 from hysgen.record.sampling import GAP, JITTER, gap_rows, mended, rounding_line, sampling_period
-from hysgen.record.segment import NO_STAMPS, Origin, Segment, index_of, series_of
+from hysgen.record.segment import NO_STAMPS, Origin, Segment, series_of
 from hysgen.record.wrong_readings import sound
 
 
@@ -41,56 +39,6 @@ def shifted(run: Segment, rows: int) -> Segment:
     return replace(run.part(start, start + count), y_um=run.y_um[max(-rows, 0) :][:count])
 
 
-def runs_of_table(source: str, table: CsvTable) -> list[Segment]:
-    """The runs of a CSV file. Raises RecordError for a missing column, with the names that exist."""
-    there, columns = table.columns, table.chosen
-
-    def column(role: str, name: str) -> NDArray[np.float64]:
-        if name not in there:
-            # A column may have the word of the role, and the unit of another quantity.
-            roles = () if columns.quantities.other or len(table.names) == 1 else ("voltage", "displacement")
-            for other in table.names if role in roles else ():
-                if set(words_of(other)) & set(WORDS[role]) and (unit := split_unit(other)[1]):
-                    columns.named({role: other}).check_unit(role, unit, source)
-            cure = f"say which one it is: {to_paste(columns, {}, table.names)}"
-            if role == "aux":
-                cure = "give each further channel its own aux=NAME, as aux=a,aux=b"
-            if role == "displacement" and not columns.quantities.other:
-                cure += "; if it holds another quantity, say both, as input=field [mT],output=angle [deg]"
-            if role == "time":
-                cure += " or, without time stamps, --columns Ts_s=SECONDS"
-            if role != "time" and sum(one not in (columns.time, columns.segment) for one in there) == 1:
-                cure = (
-                    "the file holds one channel; put voltage and displacement into one, as with "
-                    "paste -d, VOLTAGE.csv DISPLACEMENT.csv > record.csv"
-                )
-            if len(table.names) == 1:
-                cure = "give --columns separator=... if that is several names in one"
-            raise RecordError(
-                f"{source}: has no {role} column '{name}'{nearest(name, table.names)}; "
-                f"the header names {', '.join(table.names)}; {cure}"
-            )
-        return there[name]
-
-    time = NO_STAMPS
-    if columns.time and (columns.time in there or columns.Ts_s is None):
-        time = columns.in_base_unit("time", column("time", columns.time))
-    u_V = columns.in_base_unit("voltage", column("voltage", columns.voltage))
-    y_um = columns.in_base_unit("displacement", column("displacement", columns.displacement))
-    pairs = columns.aux_pairs()
-    if pairs is None:
-        used = {columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time}
-        pairs = tuple((name, name) for name in there if name not in used)
-    aux = {label: column("aux", name) for label, name in pairs}
-    origin = Origin(source, columns.time, columns.voltage, columns.displacement, table.locate)
-    whole = Segment("0", u_V, y_um, aux, stamps_s=time, origin=origin)
-    if columns.segment not in there:
-        if columns.segment != Columns.segment:
-            column("segment", columns.segment)
-        return list(_at_headers(whole, table.starts))
-    return list(_at_numbers(whole, there[columns.segment], columns.segment))
-
-
 def _at_headers(run: Segment, starts: Sequence[int]) -> Iterator[Segment]:
     """The parts of the run between repeated headers; where the time goes on by one step, the part does."""
     bounds = [0, run.samples]
@@ -102,32 +50,31 @@ def _at_headers(run: Segment, starts: Sequence[int]) -> Iterator[Segment]:
         yield run if len(bounds) == 2 else run.part(start, stop, str(number))
 
 
-def runs_of_arrays(
-    source: str, arrays: Mapping[str, Array], columns: Columns, Ts_s: float | None = None
-) -> list[Segment]:
-    """The runs of arrays. Ts_s: sampling period, if the file or the user gives it; then no time is needed.
+def runs_of_arrays(source: str, file: FileArrays, columns: Columns, Ts_s: float | None = None) -> list[Segment]:
+    """The runs of arrays or of a table. Ts_s: sampling period, if it is known otherwise; then no time is needed.
 
     Groups that hold the same names are segments, if the names are given without a group.
     Raises RecordError for an array that is missing, of another length, or of several axes without a selection.
     """
+    arrays = file.arrays
     groups = _groups(arrays, columns)
     if len(groups) > 1:
         return [
             replace(run, name=group if run.name == "0" else f"{group}:{run.name}")
             for group in groups
-            for run in runs_of_arrays(source, _inside(arrays, group), columns, Ts_s)
+            for run in runs_of_arrays(source, replace(file, arrays=_inside(arrays, group)), columns, Ts_s)
         ]
-    u = find(source, arrays, "voltage", columns.voltage)
-    y = find(source, arrays, "displacement", columns.displacement)
+    series = partial(find, source, file, columns)
+    u, y = series("voltage", columns.voltage), series("displacement", columns.displacement)
     time = None
     beside = f"{(key_of(arrays, columns.voltage) or '').rpartition('/')[0]}/{columns.time}"
     if beside in arrays:
         columns = replace(columns, time=beside)
-    there = key_of(arrays, columns.time.partition("[")[0]) is not None
+    there = any(key_of(arrays, name) for name in (columns.time, columns.time.partition("[")[0]))
     if columns.time and (there or Ts_s is None):
-        time = _as_many(source, columns.time, find(source, arrays, "time", columns.time), len(u))
-    pairs = _neighbours(arrays, columns) if (pairs := columns.aux_pairs()) is None else pairs
-    aux = {label: _as_many(source, name, find(source, arrays, "aux", name), len(u)) for label, name in pairs}
+        time = _as_many(source, columns.time, series("time", columns.time), len(u))
+    pairs = _neighbours(file, columns) if (pairs := columns.aux_pairs()) is None else pairs
+    aux = {label: _as_many(source, name, series("aux", name), len(u)) for label, name in pairs}
     if len(y) != len(u):
         raise RecordError(
             f"{source}: '{columns.voltage}' selects {len(u)} series and '{columns.displacement}' {len(y)}; "
@@ -135,24 +82,26 @@ def runs_of_arrays(
         )
     runs = []
     for number, (label, values) in enumerate(u):
-        locate = index_of if len(u) == 1 else partial("segment {}, index {}".format, label)
+        locate = file.locate if len(u) == 1 else partial("segment {}, index {}".format, label)
         origin = Origin(source, columns.time, columns.voltage, columns.displacement, locate)
         stamps = NO_STAMPS
         if time is not None:
             stamps = columns.in_base_unit("time", series_of(source, columns.time, time[number]))
         u_V = columns.in_base_unit("voltage", series_of(source, columns.voltage, values))
         y_um = columns.in_base_unit("displacement", series_of(source, columns.displacement, y[number][1]))
-        further = {name: series_of(source, name, series[number]) for name, series in aux.items()}
+        further = {name: series_of(source, name, values[number]) for name, values in aux.items()}
         runs.append(Segment(label, u_V, y_um, further, stamps_s=stamps, origin=origin))
-    if len(runs) == 1 and (key := key_of(arrays, columns.segment)) is not None:
-        numbers = series_of(source, columns.segment, np.squeeze(arrays[key]))
-        if numbers.size != runs[0].samples:
-            raise RecordError(
-                f"{source}: {columns.segment} has {numbers.size} samples, {columns.voltage} has {runs[0].samples}; "
-                "number every sample"
-            )
-        return list(_at_numbers(runs[0], numbers, columns.segment))
-    return runs
+    if len(runs) > 1:
+        return runs
+    if key_of(arrays, columns.segment) is None and columns.segment == Columns.segment:
+        return list(_at_headers(runs[0], file.starts))
+    numbers = series_of(source, columns.segment, series("segment", columns.segment)[0][1])
+    if numbers.size != runs[0].samples:
+        raise RecordError(
+            f"{source}: {columns.segment} has {numbers.size} samples, {columns.voltage} has {runs[0].samples}; "
+            "number every sample"
+        )
+    return list(_at_numbers(runs[0], numbers, columns.segment))
 
 
 def _groups(arrays: Mapping[str, Array], columns: Columns) -> list[str]:
@@ -198,19 +147,19 @@ def _at_numbers(run: Segment, numbers: NDArray[np.float64], column: str) -> Iter
         yield run.part(start, stop, name)
 
 
-def _neighbours(arrays: Mapping[str, Array], columns: Columns) -> tuple[tuple[str, str], ...]:
-    """The other vectors in the folder of the voltage; none if the voltage is a selection."""
-    voltage = key_of(arrays, columns.voltage)
+def _neighbours(file: FileArrays, columns: Columns) -> tuple[tuple[str, str], ...]:
+    """The other vectors in the folder of the voltage; none if the voltage is a selection. Of a table, all others."""
+    voltage = key_of(file.arrays, columns.voltage)
     if voltage is None:
         return ()
     named = (columns.time, columns.voltage, columns.displacement, columns.segment, Columns.time)
-    used = {key_of(arrays, name) for name in named if name}
+    used = {key_of(file.arrays, name) for name in named if name}
     folder = voltage.rpartition("/")[0]
     return tuple(
-        (key.rpartition("/")[2], key)
-        for key, array in arrays.items()
+        (key if file.names else key.rpartition("/")[2], key)
+        for key, array in file.arrays.items()
         if key not in used
-        and key.rpartition("/")[0] == folder
+        and (file.names or key.rpartition("/")[0] == folder)
         and array.size > 1
         and np.squeeze(array).ndim == 1
         and array.dtype.kind in "fiub"
@@ -265,7 +214,7 @@ def of_file_arrays(source: str, content: FileArrays, columns: Columns) -> Conten
     if not content.arrays:
         raise RecordError(f"{source}: holds no numeric arrays; save voltage and displacement as arrays of numbers")
     chosen, Ts_s, guess = chosen_arrays(source, content, columns)
-    runs = runs_of_arrays(source, content.arrays, chosen, Ts_s)
+    runs = runs_of_arrays(source, content, chosen, Ts_s)
     return Content(runs, chosen, (*content.remarks, *([guess] if guess else [])), Ts_s)
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.columns import VOCABULARY
+from hysgen.record.segment import index_of
 
 Array = NDArray[np.generic]
 
@@ -21,12 +22,19 @@ EXTRA = "hysgen[formats]"
 
 @dataclass(frozen=True, eq=False)
 class FileArrays:
-    """Arrays of a file by path ("group/name"), their units where the file names them, the sampling period in s."""
+    """Arrays of a file by path ("group/name"), their units where the file names them, the sampling period in s.
+
+    Of a table of text: names of all columns, numeric or not; locate, row number to "line 12"; starts, the rows before
+    which the header stands again.
+    """
 
     arrays: Mapping[str, Array]
     units: Mapping[str, str] = field(default_factory=dict)
     Ts_s: float | None = None
     remarks: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    locate: Callable[[int], str] = index_of
+    starts: tuple[int, ...] = ()
 
 
 class Series(NamedTuple):
