@@ -257,9 +257,7 @@ def test_every_error_of_the_interface_is_a_hysgen_error(record: hysgen.Record, m
         "mine.json: cannot be read": lambda: hysgen.score("mine.json", record),
         "a float is no record": lambda: hysgen.inspect(3.0),
         "Ts_s: is missing": lambda: hysgen.HysteresisRegressor().fit(record.u_V, record.y_um),
-        'it holds a, b; say which one it is: columns="time=NAME,volt': lambda: hysgen.Record.from_dataframe(
-            frame
-        ),
+        'it holds a, b; say which one it is: columns="time=NAME,volt': lambda: hysgen.Record.from_dataframe(frame),
         "nothing to plot": lambda: hysgen.score(model, record).plot("bode"),
     }
     for said, call in calls.items():

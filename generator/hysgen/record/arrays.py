@@ -13,7 +13,7 @@ from hysgen.errors import RecordError
 from hysgen.record.columns import NONE, OWN, Columns, nearest, split_unit
 from hysgen.record.formats import FileArrays, names_of
 from hysgen.record.formats.base import Array, period_in
-from hysgen.record.names import ROLES, WORDS, guessed, to_paste, words_of
+from hysgen.record.names import ROLES, WORDS, by_place, guessed, to_paste, words_of
 
 
 def find(source: str, file: FileArrays, columns: Columns, role: str, text: str) -> list[tuple[str, Array]]:
@@ -155,10 +155,6 @@ def _by_place(name: str, matrix: Array, columns: Columns, Ts_s: float | None, so
     tall = matrix.shape[0] >= matrix.shape[1]
     table = matrix if tall else matrix.T
     picks = [f"{name}[:,{place}]" if tall else f"{name}[{place},:]" for place in range(table.shape[1])]
-    rising = next((at for at in range(len(picks)) if Ts_s is None and bool((np.diff(table[:, at]) > 0).all())), None)
-    others = [pick for at, pick in enumerate(picks) if at != rising]
-    if len(others) < 2:
-        return columns, ""
-    roles = {"voltage": others[0], "displacement": others[1]} | ({"time": picks[rising]} if rising is not None else {})
-    pairs = ",".join(f"{role}={pick}" for role, pick in roles.items())
-    return columns.named(roles), f'{source}: read as --columns "{pairs}"'
+    rising = (pick for pick, one in zip(picks, table.T, strict=True) if Ts_s is None and bool((np.diff(one) > 0).all()))
+    chosen, option = by_place(columns, picks, next(rising, None))
+    return chosen, option and f"{source}: read as {option}"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.segment import Segment
-from hysgen.record.series import plateaus, white_noise
+from hysgen.record.series import plateaus, resolution_um, white_noise
 
 ACCEPTABLE = ("constant", "saturation", "swapped")
 """Refusals that the caller may turn into warnings."""
@@ -201,13 +201,15 @@ def _flats(runs: Sequence[Segment]) -> Iterator[_Flat]:
     """Every flat end of FLAT samples or more, those at the highest value first."""
     values = np.concatenate([run.y_um for run in runs])
     ends = (("highest", float(values.max())), ("lowest", float(values.min())))
-    quantum = min(_smallest_step(run.y_um) for run in runs)
+    quantum = min(resolution_um(run.y_um) for run in runs)
     span, span_V = ends[0][1] - ends[1][1], float(np.ptp(np.concatenate([run.u_V for run in runs])))
     if span == 0.0 or span_V == 0.0:
         return
     gain = span / span_V
     noisy = max(white_noise(run.y_um) for run in runs) > max(0.5 * quantum, 1e-6 * span)
-    still = max(STILL, 3 * max(_longest_repeat(run.y_um, ends[0][1], ends[1][1]) for run in runs))
+    # Slow sensors and stiction repeat values that are not extreme.
+    inner = [b - a for run in runs for a, b in plateaus(run.y_um, 3) if run.y_um[a] not in (ends[0][1], ends[1][1])]
+    still = max(STILL, 3 * max(inner, default=1))
     rising = 1.0 if _correlation(runs) >= 0.0 else -1.0
     for name, end, side in ((*ends[0], rising), (*ends[1], -rising)):
         for run in runs:
@@ -300,13 +302,6 @@ def _cycle_starts(u: Series) -> NDArray[np.int64]:
     return np.asarray(outside[1:][above[1:] & ~above[:-1]], dtype=np.int64)
 
 
-def _longest_repeat(y: Series, highest: float, lowest: float) -> int:
-    """Most consecutive samples at one value that is not an extreme; slow sensors and stiction repeat values."""
-    bounds = np.concatenate([[0], np.flatnonzero(np.diff(y)) + 1, [y.size]])
-    inner = (y[bounds[:-1]] != highest) & (y[bounds[:-1]] != lowest)
-    return int(np.diff(bounds)[inner].max(initial=1))
-
-
 def _correlation(runs: Sequence[Segment]) -> float:
     """Correlation of voltage and displacement, each run about its own mean; 0 if one of them is constant."""
     uu = yy = uy = 0.0
@@ -314,12 +309,6 @@ def _correlation(runs: Sequence[Segment]) -> float:
         u, y = run.u_V - run.u_V.mean(), run.y_um - run.y_um.mean()
         uu, yy, uy = uu + float(u @ u), yy + float(y @ y), uy + float(u @ y)
     return uy / (uu * yy) ** 0.5 if uu * yy > 0.0 else 0.0
-
-
-def _smallest_step(y: Series) -> float:
-    """The smallest change between consecutive samples that is not zero: the quantum of a digital sensor."""
-    steps = np.abs(np.diff(y))
-    return float(steps.min(where=steps > 0.0, initial=np.inf))
 
 
 def _deviation(values: Series) -> float:

@@ -181,7 +181,7 @@ class Columns:
 
     def plain(self, role: str, unit: str) -> str:
         """The unit of `role` in the spelling of `units_of`."""
-        return unit.strip() if unit.strip() in self.units_of(role) else plain_unit(unit)
+        return _known(self.units_of(role), unit)
 
     def unit_in_name(self, role: str) -> str | None:
         """Unit in the suffix of the column's name, as in "x_nm", "x [nm]" or "x (nm)"; None without a unit.
@@ -273,17 +273,18 @@ def conversion(units: Mapping[str, tuple[float, float]], unit: str) -> tuple[flo
     >>> conversion(lengths, "nm"), conversion(lengths, "2.5 um/V"), conversion(UNITS["voltage"], "m")
     ((1.0, 1000.0), (2.5, 1.0), None)
     """
-    plain = unit.strip() if unit.strip() in units else plain_unit(unit)
-    if plain in units:
+    if (plain := _known(units, unit)) in units:
         return units[plain]
     scaled = _SCALED.fullmatch(unit.strip())
-    if scaled is None or float(scaled.group(1)) == 0.0:
-        return None
-    plain = scaled.group(2) if scaled.group(2) in units else plain_unit(scaled.group(2))
-    if plain not in units:
+    if scaled is None or float(scaled.group(1)) == 0.0 or (plain := _known(units, scaled.group(2))) not in units:
         return None
     multiply, divide = units[plain]
     return float(scaled.group(1)) * multiply, divide
+
+
+def _known(units: Mapping[str, Any], unit: str) -> str:
+    """A unit in the spelling of `units`."""
+    return unit.strip() if unit.strip() in units else plain_unit(unit)
 
 
 _ENDING = re.compile(r"(.+?)(?:(?:_|\s*/\s*|\s+in\s+|\s+)([^\s_/]+)|(?<=[a-z])(?!In$|Min$)([A-Z][a-z]+))")

@@ -26,9 +26,9 @@ from hysgen.record.columns import NONE, Columns, plain_unit, split_unit
 from hysgen.record.formats.base import FileArrays, Text
 from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
-from hysgen.record.names import ROLES, guessed, has_time
+from hysgen.record.names import ROLES, by_place, guessed, has_time
 from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, quantity, values_of
-from hysgen.record.text import as_table, text_of, unwrapped
+from hysgen.record.text import as_table, text_of
 
 
 def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, Columns]:
@@ -41,8 +41,7 @@ def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, 
     Raises RecordError with file, line, column and cure.
     """
     text, padding = text_of(source, content.data)
-    text, export = as_table(source, text)
-    text, form = unwrapped(source, text)
+    text, form = as_table(source, text)
     layout = layout_of(source, text, columns)
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
@@ -74,7 +73,7 @@ def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, 
     wanted = {columns.time, columns.voltage, columns.displacement, columns.segment}
     wanted.update(name for _, name in columns.aux_pairs() or ())
     wanted.discard("")
-    use, remarks = [], [*content.remarks, *padding, *export, *form, *layout.remarks, *([guess] if guess else [])]
+    use, remarks = [], [*content.remarks, *padding, *form, *layout.remarks, *([guess] if guess else [])]
     remarks += (f"{source}: column {name} is empty in every row and is left out" for name in empty if layout.headed)
     if stated_s is not None:
         remarks.append(f"{source}: is sampled every {stated_s:g} s, as the lines above the table say")
@@ -200,13 +199,9 @@ def _by_position(columns: Columns, layout: Layout, source: str) -> tuple[Columns
     if columns.time in (own.time, "") and (columns.voltage, columns.displacement) == (own.voltage, own.displacement):
         cells = ((name, [row[at] for row in rows if at < len(row)]) for at, name in enumerate(layout.names) if name)
         even = (name for name, texts in cells if columns.Ts_s is None and _rises_evenly(texts, layout))
-        rising = next(even, None)
-        others = [name for name in layout.names if name not in (rising, "")]
-        if len(others) >= 2:
-            roles = {"voltage": others[0], "displacement": others[1]} | ({"time": rising} if rising else {})
-            chosen = columns.named(roles)
-            pairs = ",".join(f"{role}={name}" for role, name in roles.items())
-            return chosen, f'{source}: has no header; read as --columns "{pairs}" (columns counted from 0)'
+        chosen, option = by_place(columns, layout.names, next(even, None))
+        if option:
+            return chosen, f"{source}: has no header; read as {option} (columns counted from 0)"
     raise RecordError(
         f"{source}: line {layout.first}: holds numbers where the names belong; put a first line such as "
         f"{own.time},{own.voltage},{own.displacement}, or name columns by their place: "

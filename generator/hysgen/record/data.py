@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from hysgen.display import WRITTEN_IN, Displayed, Quantities, Summary
 from hysgen.errors import RecordError
-from hysgen.record.checks import check_marks, check_values
 from hysgen.record.columns import Columns
-from hysgen.record.relation import held, rate, relation, scale
-from hysgen.record.runs import parts_of_frame
+from hysgen.record.runs import Content, checked, parts_of_frame
+from hysgen.record.sampling import JITTER
 from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
-from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_of, sound
+from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_of
 
 LONGEST_PERIOD_S = 100.0
 """A longer sampling period is taken for a rate in Hz and refused."""
@@ -106,13 +105,8 @@ class Record(Displayed):
             raise RecordError(
                 f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
             )
-        check_marks([run])
-        readings = sound([run])
-        warnings = check_values(readings, accept)
-        swapped = any("exchanged" in line for line in warnings)
-        related = () if swapped else relation(readings, Ts_s)
-        doubts = (*related, *held(readings, Ts_s), *scale(readings), *rate(source, Ts_s))
-        return cls.from_segments([run], Ts_s, source, (*warnings, *doubts))
+        content = Content([run], Columns(aux=()), (), Ts_s)
+        return cls.from_segments(*checked(source, content, JITTER, accept, split_at_gaps=False))
 
     @classmethod
     def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:
@@ -132,12 +126,16 @@ class Record(Displayed):
             pandas = importlib.import_module("pandas")
         except ModuleNotFoundError as fault:
             raise RecordError("pandas is not installed; pip install pandas to make a DataFrame") from fault
+        return pandas.DataFrame(self.columns([part.name for part in self.segments]))
+
+    def columns(self, names: Sequence[str | int]) -> dict[str, NDArray[Any]]:
+        """time_s, both quantities, the further channels, and the names of the segments if several, each (n,)."""
         voltage, displacement = self.quantities.columns
-        content: dict[str, Any] = {"time_s": self.time_s, voltage: self.u_V, displacement: self.y_um}
+        content: dict[str, NDArray[Any]] = {"time_s": self.time_s, voltage: self.u_V, displacement: self.y_um}
         content |= {name: np.concatenate([part.aux[name] for part in self.segments]) for name in self.aux_names}
         if len(self.segments) > 1:
-            content["segment"] = np.repeat([part.name for part in self.segments], [p.samples for p in self.segments])
-        return pandas.DataFrame(content)
+            content["segment"] = np.repeat(names, [part.samples for part in self.segments])
+        return content
 
     @property
     def u_V(self) -> NDArray[np.float64]:
@@ -287,8 +285,7 @@ class Record(Displayed):
         """The record with the past of every segment as samples of its own (`Segment.whole`)."""
         if all(segment.past is None for segment in self.segments):
             return self
-        parts = [segment.whole() for segment in self.segments]
-        return Record.from_segments(parts, self.Ts_s, self.source, self.said)
+        return self._of([segment.whole() for segment in self.segments])
 
     @property
     def level_um(self) -> float:
@@ -301,8 +298,11 @@ class Record(Displayed):
 
     def raised(self, level_um: float) -> Record:
         """The record with `level_um` added to the displacement."""
-        segments = [segment.raised(level_um) for segment in self.segments]
-        return Record.from_segments(segments, self.Ts_s, self.source, self.said)
+        return self._of([segment.raised(level_um) for segment in self.segments])
+
+    def _of(self, segments: Sequence[Segment], more: Sequence[str] = ()) -> Record:
+        """The record with other segments, and more warnings."""
+        return Record.from_segments(segments, self.Ts_s, self.source, (*self.said, *more))
 
     def without_wrong_readings(self, gated: bool = False) -> Record:
         """The record with its single wrong readings bridged (`wrong_readings`), and a line for each in its warnings.
@@ -314,8 +314,7 @@ class Record(Displayed):
             return self
         if all(new is old for new, old in zip(segments, self.segments, strict=True)):
             return self
-        warnings = (*self.said, *lines_of(self.source, found))
-        return Record.from_segments(segments, self.Ts_s, self.source, warnings)
+        return self._of(segments, lines_of(self.source, found))
 
     @property
     def past_samples(self) -> tuple[int, ...]:

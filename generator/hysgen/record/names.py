@@ -111,6 +111,15 @@ def guessed(
     return chosen, f"{source}: read as {to_paste(chosen, {}, names)}"
 
 
+def by_place(columns: Columns, names: Sequence[str], rising: str | None) -> tuple[Columns, str]:
+    """The columns without names of their own: the one that rises is time, then voltage, displacement; the option."""
+    others = [name for name in names if name not in (rising, "")]
+    if len(others) < 2:
+        return columns, ""
+    roles = {"voltage": others[0], "displacement": others[1]} | ({"time": rising} if rising else {})
+    return columns.named(roles), '--columns "' + ",".join(f"{role}={name}" for role, name in roles.items()) + '"'
+
+
 def to_paste(columns: Columns, found: dict[str, str], names: Sequence[str]) -> str:
     """The option that reads a file so: --columns "time=...,voltage=...,displacement=..."; "..." for unknown roles."""
     pairs = []

@@ -18,7 +18,6 @@ plateau; both are `series.white_noise`.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -98,15 +97,16 @@ def residual_noise_floor(record: Record, residual_um: Floats, lag_s: float) -> N
         return repeated
     skipped = max(4, round(DECAY_LAGS * lag_s / record.Ts_s))
     edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
-    scatter = [
-        part
-        for segment, (begin, end) in zip(record.segments, itertools.pairwise(edges), strict=True)
-        for part in _detrended_plateaus(segment.u_V, residual_um[begin:end], skipped)
+    rests = [
+        residual_um[first + begin + skipped : first + end]
+        for segment, first in zip(record.segments, edges, strict=False)
+        for begin, end in plateaus(segment.u_V)
     ]
-    samples = sum(len(part) for part in scatter)
+    rests = [y for y in rests if len(y) >= FEWEST_ON_PLATEAU and np.isfinite(y).all()]
+    samples = sum(map(len, rests))
     if samples >= FEWEST_RESIDUALS:
         # The median over plateaus: on some of them the stage may still move.
-        variances = [float(part @ part) / (len(part) - 2) for part in scatter]
+        variances = [_about_polynomial(y, 1) / (len(y) - 2) for y in rests]
         return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
     return NoiseFloor(residual_noise(residual_um), "innovation", len(residual_um) - 2)
 
@@ -141,13 +141,3 @@ def _about_polynomial(values: Floats, degree: int) -> float:
     basis = np.polynomial.legendre.legvander(place, degree)
     residual = values - basis @ np.linalg.lstsq(basis, values, rcond=None)[0]
     return float(residual @ residual)
-
-
-def _detrended_plateaus(u_V: Floats, residual_um: Floats, skipped: int) -> Iterator[Floats]:
-    """The residual about a straight line on each plateau, without its first `skipped` samples."""
-    for begin, end in plateaus(u_V):
-        y = residual_um[begin + skipped : end]
-        if len(y) >= FEWEST_ON_PLATEAU and np.isfinite(y).all():
-            time = np.arange(len(y)) - 0.5 * (len(y) - 1)
-            y = y - y.mean()
-            yield y - time * float(time @ y / (time @ time))

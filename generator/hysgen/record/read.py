@@ -109,17 +109,8 @@ def record_csv(record: Record) -> str:
 
     Columns time_s, voltage_V, displacement_um, the further channels, and segment (0, 1, ...) if there are several.
     """
-    voltage, displacement = record.quantities.columns
-    parts = record.segments
-    columns: dict[str, list[float]] = {
-        "time_s": [part.start_s + k * record.Ts_s for part in parts for k in range(part.samples)],
-        voltage: record.u_V.tolist(),
-        displacement: record.y_um.tolist(),
-    }
-    columns |= {name: [value for part in parts for value in part.aux[name].tolist()] for name in record.aux_names}
-    if len(parts) > 1:
-        columns["segment"] = [number for number, part in enumerate(parts) for _ in range(part.samples)]
-    return write_csv(columns)
+    numbered = record.columns(range(len(record.segments)))
+    return write_csv({name: values.tolist() for name, values in numbered.items()})
 
 
 def record_of(given: Any) -> Record:

@@ -136,20 +136,14 @@ def coherent_share(run: Segment) -> float:
 
     A lightly damped mode under noise has a small correlation at every lag and a share near 1.
     """
+    from scipy.signal import csd  # takes long to import, and few records need it
+
     n = min(run.u_V.size, MOST)
     length = max(16, n // WINDOWS)
-    starts = np.arange(0, n - length + 1, length // 2)
-    window = np.hanning(length)
-
-    def spectra(values: Floats) -> NDArray[np.complex128]:
-        parts = np.stack([values[start : start + length] for start in starts])
-        return np.asarray(rfft((parts - parts.mean(axis=1, keepdims=True)) * window, axis=1))
-
-    u, y = spectra(run.u_V), spectra(run.y_um)
-    uu, yy = np.mean(np.abs(u) ** 2, axis=0), np.mean(np.abs(y) ** 2, axis=0)
-    cross = np.abs(np.mean(np.conj(u) * y, axis=0)) ** 2
-    explained = np.divide(cross, uu, out=np.zeros_like(uu), where=uu > 1e-12 * uu.max())
-    share, bias = float(explained.sum() / max(float(yy.sum()), 1e-300)), 2.0 / len(starts)
+    u, y = run.u_V[:n], run.y_um[:n]
+    uu, yy, uy = (csd(*pair, nperseg=length, scaling="spectrum")[1] for pair in ((u, u), (y, y), (u, y)))
+    explained = np.divide(np.abs(uy) ** 2, uu.real, out=np.zeros(uu.size), where=uu.real > 1e-12 * uu.real.max())
+    share, bias = float(explained.sum() / max(float(yy.real.sum()), 1e-300)), 2.0 / ((n - length) // (length // 2) + 1)
     return max(share - bias, 0.0) / (1.0 - bias)
 
 

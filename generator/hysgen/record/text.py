@@ -117,12 +117,20 @@ _ONE_STROKE = re.compile(r"\s*'[^',;\t]*'\s*(?:[,;\t]\s*'[^',;\t]*'\s*)+")
 
 
 def as_table(source: str, text: str) -> tuple[str, tuple[str, ...]]:
-    """The text as a table, and a remark that names the form; any other text as it is."""
-    head = [line for line in text[: 4096 * LOOKED_AT].split("\n") if line.strip()][:LOOKED_AT]
+    """The text as a table, and a remark for each thing that was done; any other text as it is."""
+    remarks: tuple[str, ...] = ()
+    head = _head(text[: 4096 * LOOKED_AT].split("\n"))
     for recognised, rewritten, what in FORMS:
         if head and recognised(head):
-            return rewritten(text), (f"{source}: {what}",)
-    return text, ()
+            text, remarks = rewritten(text), (f"{source}: {what}",)
+            break
+    lines = [line.strip() for line in text.split("\n")]
+    head = _head(lines)
+    if len(head) < FEWEST:
+        return text, remarks
+    _check_no_terminal(source, head)
+    table, what = _unwrapped(lines, head)
+    return ("\n".join(table), (*remarks, f"{source}: {what}")) if what else (text, remarks)
 
 
 def _igor(text: str) -> str:
@@ -250,30 +258,19 @@ _TERMINAL = {
 """What a terminal, a table printer or a serial monitor puts into a line, and no logger."""
 
 
-def unwrapped(source: str, text: str) -> tuple[str, tuple[str, ...]]:
-    """The text as a table, and a remark for each thing that was done; any other text as it is."""
-    lines = [line.strip() for line in text.split("\n")]
-    head = _head(lines)
-    if len(head) < FEWEST:
-        return text, ()
-    _check_no_terminal(source, head)
+def _unwrapped(lines: list[str], head: list[str]) -> tuple[list[str], str]:
+    """The lines of a table whose rows are wrapped, and what was done; "" for any other text."""
     if all(_QUOTED.fullmatch(line) for line in head):
-        return "\n".join(line.strip('"') for line in lines), (f"{source}: the quotes around its rows are left out",)
-    named = [_named_values(line) for line in head]
-    first = named[0]
-    if (
-        first
-        and len(first) > 1
-        and all(one and [name for name, _ in one] == [name for name, _ in first] for one in named)
-    ):
-        table, remark = _table_of_named(source, lines, [name for name, _ in first])
-        return table, (remark,)
+        return [line.strip('"') for line in lines], "the quotes around its rows are left out"
+    named = [_named_values(line) or [] for line in head]
+    names = [name for name, _ in named[0]]
+    if len(names) > 1 and all([name for name, _ in one] == names for one in named):
+        what = f"its rows name their values ({', '.join(names)}); messages count these names as line 1"
+        return _table_of_named(lines, names), what
     bare = _matrix(lines)
     if bare is None and all(_bare(line) != line for line in head):
         bare = [_bare(line) for line in lines]
-    if bare is not None:
-        return "\n".join(bare), (f"{source}: the brackets around its rows are left out",)
-    return text, ()
+    return (lines, "") if bare is None else (bare, "the brackets around its rows are left out")
 
 
 def _head(lines: list[str]) -> list[str]:
@@ -304,15 +301,13 @@ def _matrix(lines: list[str]) -> list[str] | None:
     return [""] * used[0] + made if head and all(_NUMBERS.fullmatch(line) for line in head) else None
 
 
-def _table_of_named(source: str, lines: list[str], names: list[str]) -> tuple[str, str]:
+def _table_of_named(lines: list[str], names: list[str]) -> list[str]:
     """A header and the values; a line with other names stays as it is, for the reader of tables to report."""
-    rows = []
+    rows = [",".join(f'"{name}"' for name in names)]
     for line in lines:
-        values = _named_values(line)
-        alike = values is not None and [name for name, _ in values] == names
-        rows.append(",".join(f'"{value}"' for _, value in values) if values and alike else line)
-    remark = f"{source}: its rows name their values ({', '.join(names)}); messages count these names as line 1"
-    return "\n".join([",".join(f'"{name}"' for name in names), *rows]), remark
+        values = _named_values(line) or []
+        rows.append(",".join(f'"{value}"' for _, value in values) if [name for name, _ in values] == names else line)
+    return rows
 
 
 def _named_values(line: str) -> list[tuple[str, str]] | None:
