@@ -116,7 +116,7 @@ class CreepCause(Cause):
         decades = math.log10(max(slowest_s / fastest_s, 1.0))
         starts = [fastest_s * 10.0 ** (share * decades) for share in (0.0, 0.33, 0.67, 1.0)]
         still = np.concatenate(residual.responses(chain))
-        candidates, first_V = [], scene.first_level_V(chain, residual.fit.weights, residual.fit.rms_um)
+        candidates, first_V = [], scene.first_level_V(chain, residual.fit.weights)
         for start_s in starts:
             unit = chain.having(CreepPart(1.0, start_s))
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)

@@ -25,6 +25,9 @@ HYSTERESES, PARTS = 6, 64
 HYSTERESES_BYTES = 200_000_000
 """Size up to which more hystereses are cached: on a short record a search asks half of them two or three times."""
 
+WIDEST_LOOP = 0.2
+"""Opening of a loop of soft ceramics, as a share of its range."""
+
 CURVE_ALONE = 15
 """Degree of the curve of a chain without plays."""
 
@@ -243,22 +246,20 @@ class Scene:
         (fading,) = cache.get((i, "past", slow, since_s), course)
         seen += np.multiply.outer(moved, slow.amount * fading)
 
-    def first_level_V(self, chain: Chain, weights: Floats, rms_um: float) -> float | None:
-        """Voltage at which the stage stood at the first reading, None if that lies on a branch where the record starts.
+    def first_level_V(self, chain: Chain, weights: Floats) -> float | None:
+        """Voltage at which the stage stood at the first reading, None if that may be where the record starts.
 
-        weights: of the linear parameters of a fit, rms_um: of its error, five of which no reading is off by chance.
         A record may start while the voltage jumps, as where a controller is switched on: y(0) tells the level before.
+        weights: of the linear parameters of a fit. Of both branches of a loop the level has the mean: it counts from a
+        distance on that is as wide as the loops of ceramics.
         """
         operator, run = self._operator(chain), self.runs[0]
-        low_V, high_V, u_V = operator.low_V, operator.high_V, float(run.u_V[0])
         h_um, constant_um = weights[: operator.size], float(weights[operator.size])
-        ends_um = [operator.path(np.array([end_V, u_V]), h_um)[-1] + constant_um for end_V in (low_V, high_V)]
-        y_um, clear_um = float(run.y_um[0]), 5.0 * rms_um
-        if len(run.history) or min(ends_um) - clear_um <= y_um <= max(ends_um) + clear_um:
-            return None
-        levels_V = np.linspace(low_V, high_V, 101)  # finer than the opening of any loop
+        levels_V = np.linspace(operator.low_V, operator.high_V, 101)
         levels_um = np.array([h_um @ operator.at(float(v_V)) for v_V in levels_V]) + constant_um
-        return float(levels_V[np.argmin(np.abs(levels_um - y_um))])
+        level_V = float(levels_V[np.argmin(np.abs(levels_um - run.y_um[0]))])
+        moved = abs(level_V - run.u_V[0]) > WIDEST_LOOP * (operator.high_V - operator.low_V)
+        return level_V if moved and not len(run.history) else None
 
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain, from rest, to `paths` (`Scene.paths`), (n_i,) for each run."""
