@@ -19,12 +19,8 @@ from hysgen_lab.stage.effects.periodic import PeriodicEffect
 from hysgen_lab.stage.effects.resonance import ResonanceEffect
 from hysgen_lab.stage.effects.saturation import NO_HIGH_V, NO_LOW_V, SaturationEffect
 from hysgen_lab.stage.families.base import Family, draw
-from hysgen_lab.stage.families.bouc_wen import RisingBoucWen
 from hysgen_lab.stage.families.commands import command
-from hysgen_lab.stage.families.jiles_atherton import JilesAtherton
-from hysgen_lab.stage.families.preisach_mesh import MeshPreisach
-from hysgen_lab.stage.families.random_relays import RandomRelays
-from hysgen_lab.stage.families.thermal import ThermalHysterons
+from hysgen_lab.stage.families.laws import JilesAtherton, MeshPreisach, RandomRelays, RisingBoucWen, ThermalHysterons
 from hysgen_lab.stage.measure import run
 
 Floats = NDArray[np.float64]
