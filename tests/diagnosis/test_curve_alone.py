@@ -20,7 +20,7 @@ from hysgen.record import Record
 from hysgen_lab.stage import NoiseEffect, Stage
 from hysgen_lab.stage import run as measure
 from hysgen_lab.stage.effects.memory import draw_curve
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 Floats = NDArray[np.float64]
 

@@ -13,10 +13,9 @@ from hysgen.diagnosis.score import resting_noise
 from hysgen.record import Record
 from hysgen_lab.stage import Density, NoiseEffect, Relays, Stage
 from hysgen_lab.stage import run as measure
-from hysgen_lab.stage.effects.chirp import ChirpEffect
 from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve
-from hysgen_lab.studies.bank.excitation import good
-from hysgen_lab.studies.bank.scenario import ACCEPTED
+from hysgen_lab.stage.effects.readings import ChirpEffect
+from hysgen_lab.studies.bank.scenario import ACCEPTED, good
 
 RATE_S, ROWS = 1e-3, 7000
 NARROW = Relays(Density(40.0, 55.0, 15.0, 65.0), 0.15)

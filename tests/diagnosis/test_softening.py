@@ -11,7 +11,7 @@ from hysgen.model.path.loop import Loop
 from hysgen.record import Record
 from hysgen.report.words import price_of
 from hysgen_lab.stage import ResonanceEffect, Stage, run
-from hysgen_lab.stage.effects.softening import SofteningEffect
+from hysgen_lab.stage.effects.mechanics import SofteningEffect
 
 TS_S, F_HZ = 1e-4, 300.0
 

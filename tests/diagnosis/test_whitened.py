@@ -22,7 +22,7 @@ from hysgen.machine.kernels.run import innovation_gains, innovations
 from hysgen.record import Record
 from hysgen_lab.stage import Density, NoiseEffect, Relays, Stage
 from hysgen_lab.stage import run as measure
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 Floats = NDArray[np.float64]
 

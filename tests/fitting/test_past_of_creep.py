@@ -10,7 +10,7 @@ from hysgen.fitting.identify import path_task
 from hysgen.model.path.creep import Creep
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 TS_S, CREEP = 1e-3, (0.02, 0.05, 1e4)
 

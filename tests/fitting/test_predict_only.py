@@ -14,7 +14,7 @@ from hysgen.errors import CertificateError
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 TS_S, NOISE_UM = 1e-3, 2e-3
 SIZE = PathSize(plays=16)

@@ -17,7 +17,7 @@ from hysgen.model.file import dump_model, parse_model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen_lab.stage.families.commands import command
+from hysgen_lab.stage.families.plants import command
 
 TS_S, TAU_S = 1e-3, 5e-3
 

@@ -11,7 +11,7 @@ from hysgen.fitting import FitSettings, PathSize, fit, least_squares
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 
 def test_windows_hold_at_most_their_samples_and_reach_both_ends() -> None:
