@@ -37,7 +37,11 @@ FAULTS: Final[Sequence[tuple[str, str, str, str]]] = (
     (LEARNER, "commit", "gain - away <=", "gain - 0.99f * away <="),
     (LEARNER, "commit", "= 1u - self->active;", "= 1u;"),
     (LEARNER, "commit", "(candidate->point >= SMOOTH_2", "(candidate->point + 1u >= SMOOTH_2"),
-    (LEARNER, "commit", "learner->reference[j] = candidate->theta[j];", "learner->reference[j] = candidate->theta[0];"),
+    (LEARNER, "commit", "learner->reference[j] = learner->trial[j];", "learner->reference[j] = learner->trial[0];"),
+    (LEARNER, "commit", "trial_error > learner->trial", "trial_error >= learner->trial"),
+    (LEARNER, "commit", "(learner->updates != 0u) ?", "(learner->age != 0u) ?"),
+    (LEARNER, "learn", "copy + self->x[j] * self->trial[j]", "copy + self->x[j] * self->theta[j]"),
+    (LEARNER, "learn", "_limited(reference, -limit, limit", "_limited(reference, -limit, 2.0f * limit"),
     (
         LEARNER,
         "commit",
@@ -152,6 +156,13 @@ REFERENCE_FAULTS: Final[Sequence[tuple[str, str, str, str, str]]] = (
         "float32.reference.commit",
         "gain - away <= numbers.gain_floor",
         "gain - away < numbers.gain_floor",
+    ),
+    (
+        LEARNER,
+        "commit",
+        "float32.reference.commit",
+        "np.where(worse, np.uint32(Phase.I",
+        "np.where(done, np.uint32(Phase.I",
     ),
     (LEARNER, "commit", "float32.reference.commit", "curve + b[2] * u", "curve - b[2] * u"),
     (

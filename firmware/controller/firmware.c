@@ -431,7 +431,7 @@ static void firmware_commit(firmware_t *self)
     controller->committing = 1u;
     answer = (uint32_t)model_commit(&controller->model, &controller->learner);
     controller->committing = 0u;
-    if (answer != MODEL_BUSY) {
+    if ((answer != MODEL_BUSY) && (answer != MODEL_TRYING)) {
         self->committing = 0u;
         self->commit_answer = answer;
         self->commit_last = controller->samples;

@@ -9,7 +9,7 @@
 /* Largest number that a parameter can be: products of a few of them stay finite. */
 #define IMAGE_LARGEST 1.0e6f
 
-/* Calls of the model's commit: one snapshot, the check points, writing, switching; and one to spare. */
+/* Calls of the model's commit: one snapshot, the check points, no trial of what learnt from no sample, writing, switching. */
 #define IMAGE_MOST_CALLS (MODEL_COMMIT_POINTS + 4u)
 
 static const uint32_t image_digest[4] = MODEL_DIGEST;

@@ -5,8 +5,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import importlib
 import re
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +31,9 @@ from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.creep import Creep
+
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+commits = importlib.import_module("commits")
 
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
@@ -149,7 +155,7 @@ def test_the_answer_does_not_depend_on_how_the_check_is_spread_over_calls(points
     while (told == Commit.BUSY).any():
         told, calls = np.where(told == Commit.BUSY, committer.commit(), told), calls + 1
     np.testing.assert_array_equal(told, expected)
-    assert calls == -(-committer.numbers.points // points_per_call) + 3
+    assert calls == -(-committer.numbers.points // points_per_call) + 4
 
 
 @functools.cache
@@ -211,6 +217,24 @@ def test_a_shadow_that_has_just_restarted_is_too_young() -> None:
     planted = Planted(compiled_once())
     planted.learner.age = LearnerSettings().mature - 1
     assert planted.answer(planted.own) == Commit.REFUSED_YOUNG
+
+
+@pytest.mark.parametrize("tried", [True, False])
+def test_a_shadow_that_would_make_the_model_worse_is_refused_after_its_trial(tried: bool) -> None:
+    """Of a stage with a play, learnt with a memory of 100 samples; without the trial it is committed, and is worse."""
+    model = sized(18, forgetting=0.99)
+    texts = texts_of(model)
+    if not tried:
+        texts["smooth_6.c"] = texts["smooth_6.c"].replace("? SMOOTH_6_COMMIT_TRIAL : 0u", "? 0u : 0u")
+    host, u_V = Host("smooth_6", texts, CC), 50.0 + 60.0 * commits.EXCITATIONS["beat"](commits.TIMES_S)
+    play, weaker = (commits.measured_um(model, u_V, stage, 0.0) for stage in ((1.0, 8.0), (0.9, 0.0)))
+    answer, one_step, free_run = commits.committed(host, model, play, u_V)
+    assert (answer, one_step > 1.05, free_run > 1.05) == (
+        (Commit.REFUSED_WORSE, False, False) if tried else (Commit.COMMITTED, True, True)
+    )
+    answer, one_step, free_run = commits.committed(host, model, weaker, u_V)
+    assert answer == Commit.COMMITTED
+    assert max(one_step, free_run) < 0.9
 
 
 SEEN = "uint32_t smooth_2_seen(uint32_t i);"

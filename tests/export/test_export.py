@@ -23,6 +23,7 @@ from hysgen.export import export_texts, exports, write_export
 from hysgen.export.base import MODES, Samples
 from hysgen.export.check import Reference, compare, inputs
 from hysgen.export.fmu import archive
+from hysgen.float32.struct_words import Commit
 from hysgen.machine.files import digest
 from hysgen.model.file import load_model
 
@@ -94,7 +95,7 @@ def direct(host: Host, samples: Samples) -> tuple[np.ndarray, list[int]]:
             host.call("learn", learner, y, value)
             if committing or samples.commit[k]:
                 answers.append(host.commit(ours, learner))
-                committing = answers[-1] == 0
+                committing = answers[-1] in (Commit.BUSY, Commit.TRYING)
         function = "predict" if learns else samples.mode.name
         result = host.call(function, ours, *([value] if function == "simulate" else [y, value]))
         out[k] = np.float32(result).view(np.uint32), ours.status | (learner.status << 16 if learns else 0)

@@ -59,6 +59,10 @@ def test_learner_is_the_equations_and_protections_in_float64(scenario: str) -> N
         lane.d[:], truth.theta, truth.P = 2.0**-30, lane.theta[:, 0].astype(np.float64), np.eye(6) * 2.0**-30
         for i, value in enumerate(lane.theta[:, 0]):
             pair.learner.theta[i], pair.learner.d[i] = float(value), 2.0**-30
+    lane.trial, truth.on_trial = np.float32(0.9) * lane.reference, 0.9 * truth.reference
+    lane.trying[:] = truth.trying = pair.learner.trying = 700
+    for i, value in enumerate(lane.trial[:, 0]):
+        pair.learner.trial[i] = float(value)
     y, u = spoilt()
     compiled = pair.run(y, u)
     for k in range(SAMPLES):
@@ -70,8 +74,15 @@ def test_learner_is_the_equations_and_protections_in_float64(scenario: str) -> N
         assert np.abs(lane.theta[:, 0] - truth.theta).max() < allowed_um, f"sample {k}"
         means = (lane.scale_um, lane.moving_um, lane.error, lane.reference_error, lane.step_error, lane.mean_u_V)
         expected = (truth.scale, truth.moving, truth.error, truth.reference_error, truth.step_error, truth.mean_V)
+        means += (lane.trial_um, lane.trial_reference_um, lane.trial_error, lane.trial_reference_error)
+        expected += (*truth.free_run, *truth.squares)
         np.testing.assert_allclose(np.concatenate(means), expected, rtol=1e-4, atol=1e-9, err_msg=f"sample {k}")
-        assert (lane.age[0], lane.run[0], lane.turn[0]) == (truth.age, truth.run, truth.turn)
+        assert (lane.age[0], lane.run[0], lane.turn[0], lane.trying[0]) == (
+            truth.age,
+            truth.run,
+            truth.turn,
+            truth.trying,
+        )
         assert k % 8 or (compiled[k] == pair.expected()).all(), f"sample {k}"
     upper = lane.u[:, :, 0] + np.eye(6)
     np.testing.assert_allclose(upper * lane.d[:, 0] @ upper.T, truth.P, rtol=0, atol=1e-4 * np.abs(truth.P).max())

@@ -695,20 +695,40 @@ APPENDIX_A_INLINE uint32_t appendix_a_update(appendix_a_learner_t *self)
 
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
-/* Innovation of the displacement y, e = y - x' theta - fixed, and that of the reference parameters. */
+/* Innovation of the displacement y, e = y - x' theta - fixed, that of the reference parameters and that of the copy on trial. */
 APPENDIX_A_CODE
-static APPENDIX_A_ALONE float appendix_a_innovations(const appendix_a_learner_t *self, float y, float *reference)
+static APPENDIX_A_ALONE float appendix_a_innovations(const appendix_a_learner_t *self, float y, float *reference, float *tried)
 {
     float shadow = 0.0f;
     float other = 0.0f;
+    float copy = 0.0f;
 
     APPENDIX_A_UNROLL
     for (uint32_t j = 0u; j < APPENDIX_A_LEARNED; ++j) {
         shadow = shadow + self->x[j] * self->theta[j];
         other = other + self->x[j] * self->reference[j];
+        copy = copy + self->x[j] * self->trial[j];
     }
     *reference = y - (other + self->fixed_um);
+    *tried = y - (copy + self->fixed_um);
     return y - (shadow + self->fixed_um);
+}
+
+/* The innovations of a trial, none larger than that of an outlier, add up as they do in a free run. */
+APPENDIX_A_INLINE void appendix_a_try(appendix_a_learner_t *self, float tried, float reference)
+{
+    uint32_t cut;
+    const float gate = APPENDIX_A_LEARN_GATE * self->scale_um + (2.0f * self->moving_um + APPENDIX_A_LEARN_GATE_FLOOR_UM);
+    const float limit = appendix_a_float(appendix_a_size(gate));
+    const float mine = APPENDIX_A_LEARN_CARRIED * self->trial_um + appendix_a_limited(tried, -limit, limit, &cut);
+    const float others = APPENDIX_A_LEARN_CARRIED * self->trial_reference_um + appendix_a_limited(reference, -limit, limit, &cut);
+
+    self->trying -= (uint32_t)(self->trying != 0u);
+    self->trial_um = appendix_a_flushed(mine);
+    self->trial_reference_um = appendix_a_flushed(others);
+    self->trial_error = self->trial_error + APPENDIX_A_LEARN_SLOW * ((mine * mine + APPENDIX_A_LEARN_FLOOR_SQUARE) - self->trial_error);
+    self->trial_reference_error = self->trial_reference_error
+        + APPENDIX_A_LEARN_SLOW * ((others * others + APPENDIX_A_LEARN_FLOOR_SQUARE) - self->trial_reference_error);
 }
 
 /* Update the running means. Returns 1 if the shadow, after its settling time, has a larger mean square innovation than
@@ -763,11 +783,13 @@ APPENDIX_A_INLINE uint32_t appendix_a_evaluate_reading(
     appendix_a_learner_t *self, float y, float *innovation, uint32_t *begun)
 {
     float reference;
+    float tried;
     uint32_t lost = 0u;
 
-    *innovation = appendix_a_innovations(self, y, &reference);
+    *innovation = appendix_a_innovations(self, y, &reference, &tried);
     appendix_a_count_learner_event(self, &self->resting, self->rested, APPENDIX_A_LEARN_RESTING);
     if (self->rested == 0u) {
+        appendix_a_try(self, tried, reference);
         lost = appendix_a_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             appendix_a_begin(self, *innovation);
@@ -867,6 +889,7 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
     }
     for (uint32_t i = 0u; i < APPENDIX_A_LEARNED; ++i) {
         self->x[i] = 0.0f;
+        self->trial[i] = 0.0f;
         self->f[i] = 0.0f;
         self->g[i] = 0.0f;
         self->l[i] = 0.0f;
@@ -879,11 +902,16 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
     self->y_um = model->y_um;
     self->u_V = model->u_V;
     self->mean_u_V = model->u_V;
+    self->trial_um = 0.0f;
+    self->trial_reference_um = 0.0f;
+    self->trial_error = 0.0f;
+    self->trial_reference_error = 0.0f;
     self->fresh = 0u;
     self->rested = 0u;
     self->measuring = 0u;
     self->since_refresh = 0u;
     self->turn = 0u;
+    self->trying = 0u;
     self->status = 0u;
     self->updates = 0u;
     self->rejected = 0u;
@@ -950,7 +978,7 @@ static void appendix_a_bound_remainders(appendix_a_candidate_t *candidate)
     candidate->slope_remainder[1] = common + APPENDIX_A_COMMIT_SLOPE_REMAINDER_3 * high;
 }
 
-/* Copy the shadow into the candidate, unless it is too young or a parameter is beyond its limit. */
+/* Copy the shadow for a trial, on nothing if nothing was ever learnt, unless it is too young or a parameter is beyond its limit. */
 APPENDIX_A_CODE
 static appendix_a_commit_t appendix_a_snapshot(appendix_a_learner_t *learner)
 {
@@ -963,7 +991,7 @@ static appendix_a_commit_t appendix_a_snapshot(appendix_a_learner_t *learner)
     }
     APPENDIX_A_UNROLL
     for (uint32_t j = 0u; j < APPENDIX_A_LEARNED; ++j) {
-        candidate->theta[j] = learner->theta[j];
+        learner->trial[j] = learner->theta[j];
         beyond |= appendix_a_beyond(learner->theta[j]);
     }
     APPENDIX_A_UNROLL
@@ -976,6 +1004,11 @@ static appendix_a_commit_t appendix_a_snapshot(appendix_a_learner_t *learner)
         return APPENDIX_A_COMMIT_REFUSED_LIMIT;
     }
     appendix_a_bound_remainders(candidate);
+    learner->trial_um = 0.0f;
+    learner->trial_reference_um = 0.0f;
+    learner->trial_error = 0.0f;
+    learner->trial_reference_error = 0.0f;
+    learner->trying = (learner->updates != 0u) ? APPENDIX_A_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)APPENDIX_A_PHASE_CHECK;
     return APPENDIX_A_COMMIT_BUSY;
@@ -1071,6 +1104,16 @@ appendix_a_commit_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *
         }
         candidate->phase = (answer == APPENDIX_A_COMMIT_BUSY) ? candidate->phase : (uint32_t)APPENDIX_A_PHASE_IDLE;
         break;
+    case (uint32_t)APPENDIX_A_PHASE_TRIAL:
+        if (learner->trying != 0u) {
+            answer = APPENDIX_A_COMMIT_TRYING;
+        } else if (learner->trial_error > learner->trial_reference_error) {
+            answer = APPENDIX_A_COMMIT_REFUSED_WORSE;
+            candidate->phase = (uint32_t)APPENDIX_A_PHASE_IDLE;
+        } else {
+            candidate->phase = (uint32_t)APPENDIX_A_PHASE_WRITE;
+        }
+        break;
     case (uint32_t)APPENDIX_A_PHASE_WRITE:
         appendix_a_write(self, candidate);
         candidate->phase = (uint32_t)APPENDIX_A_PHASE_SWITCH;
@@ -1078,7 +1121,7 @@ appendix_a_commit_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *
     default:
         self->active = 1u - self->active;
         for (uint32_t j = 0u; j < APPENDIX_A_LEARNED; ++j) {
-            learner->reference[j] = candidate->theta[j];
+            learner->reference[j] = learner->trial[j];
         }
         candidate->phase = (uint32_t)APPENDIX_A_PHASE_IDLE;
         answer = APPENDIX_A_COMMIT_COMMITTED;

@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "e039127b48ffe26273a696fab48be30c215a352baf98d04e4d4de564bbc4b7e1"
-#define APPENDIX_A_ALGORITHM_WORD 0xe039127bu  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "b94176145d68a1d8207eb835cafd02e5fe9b652c115e72288ff0f218690378bd"
+#define APPENDIX_A_ALGORITHM_WORD 0xb9417614u  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -155,25 +155,27 @@ typedef enum {
     APPENDIX_A_COMMIT_REFUSED_YOUNG = 2,  /**< The shadow has had too few updates since its restart. */
     APPENDIX_A_COMMIT_REFUSED_LIMIT = 3,  /**< A parameter is not finite or beyond its limit. */
     APPENDIX_A_COMMIT_REFUSED_GAIN = 4,   /**< The gain b(y) would come too close to zero or change its sign. */
-    APPENDIX_A_COMMIT_REFUSED_SLOPE = 5   /**< The slope |df/dy| would come too close to 1. */
+    APPENDIX_A_COMMIT_REFUSED_SLOPE = 5,  /**< The slope |df/dy| would come too close to 1. */
+    APPENDIX_A_COMMIT_REFUSED_WORSE = 6,  /**< Over the samples of its trial, the shadow predicted worse than the parameters in use. */
+    APPENDIX_A_COMMIT_TRYING = 7          /**< The trial is not finished; learn from further samples, then call again. */
 } appendix_a_commit_t;
 
 /** Phases of a commit: `phase` of a candidate. */
 typedef enum {
     APPENDIX_A_PHASE_IDLE = 0,   /**< No commit is under way; the next call copies the shadow. */
     APPENDIX_A_PHASE_CHECK = 1,  /**< The next call examines check points. */
-    APPENDIX_A_PHASE_WRITE = 2,  /**< The next call writes the candidate into the idle bank. */
-    APPENDIX_A_PHASE_SWITCH = 3  /**< The next call makes the written bank active. */
+    APPENDIX_A_PHASE_TRIAL = 2,  /**< The candidate is compared with the parameters in use, sample by sample. */
+    APPENDIX_A_PHASE_WRITE = 3,  /**< The next call writes the candidate into the idle bank. */
+    APPENDIX_A_PHASE_SWITCH = 4  /**< The next call makes the written bank active. */
 } appendix_a_phase_t;
 
 /** A copy of the shadow whose certificates a commit checks before it becomes active. */
 typedef struct {
-    uint32_t phase;                   /**< Phase of the commit, a value of appendix_a_phase_t. */
-    uint32_t point;                   /**< Index of the check point that the next call examines first. */
-    float gain_remainder_um_per_V;    /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
-    float slope_remainder[2];         /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
-    float theta[APPENDIX_A_LEARNED];  /**< Copy of the shadow's parameters, scaled [um]. */
-    appendix_a_bank_t bank;           /**< The parameters theta as a bank. */
+    uint32_t phase;                 /**< Phase of the commit, a value of appendix_a_phase_t. */
+    uint32_t point;                 /**< Index of the check point that the next call examines first. */
+    float gain_remainder_um_per_V;  /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
+    float slope_remainder[2];       /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
+    appendix_a_bank_t bank;         /**< The parameters on trial as a bank. */
 } appendix_a_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
@@ -184,6 +186,7 @@ typedef struct {
     float theta[APPENDIX_A_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
     float theta_low[APPENDIX_A_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
     float reference[APPENDIX_A_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
+    float trial[APPENDIX_A_LEARNED];      /**< Copy of the shadow's parameters that a commit checks [um]. */
     float f[APPENDIX_A_LEARNED];          /**< Vector f = U' x of this update. */
     float g[APPENDIX_A_LEARNED];          /**< Vector g = D f of this update. */
     float l[APPENDIX_A_LEARNED];          /**< Vector of l_j = -f_j / alpha_(j-1) of this update. */
@@ -200,11 +203,16 @@ typedef struct {
     float error;                          /**< Mean square innovation of the shadow [um^2]. */
     float reference_error;                /**< Mean square innovation of the reference parameters [um^2]. */
     float step_error;                     /**< Mean square of y(k) - y(k-1) [um^2]. */
+    float trial_um;                       /**< Error of the copy in free run, to first order [um]. */
+    float trial_reference_um;             /**< That of the reference parameters [um]. */
+    float trial_error;                    /**< Mean square of trial_um since the copy [um^2]. */
+    float trial_reference_error;          /**< Mean square of trial_reference_um since then [um^2]. */
     uint32_t fresh;                       /**< 1 if the regressors belong to the previous sample, 0 if it was not usable. */
     uint32_t rested;                      /**< 1 if the input was at rest at the previous sample. */
     uint32_t measuring;                   /**< 1 if this update uses a sample, 0 if it restores the prior of a parameter. */
     uint32_t since_refresh;               /**< Number of updates since the prior of a parameter was restored. */
     uint32_t turn;                        /**< Index of the parameter whose prior is restored next. */
+    uint32_t trying;                      /**< Number of samples that the copy is still to be compared on. */
     uint32_t run;                         /**< Number of consecutive outliers. */
     uint32_t age;                         /**< Number of updates since the last restart. */
     uint32_t status;                      /**< Bits APPENDIX_A_LEARN_..., set by events and cleared by the caller. */
@@ -236,29 +244,31 @@ void appendix_a_learn_init(appendix_a_learner_t *self, const appendix_a_t *model
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in appendix_a_predict
  *
- * 1143 float +-, 851 float *, 54 float comparisons, 4344 integer, 947 loads, 573 stores, 1018 branches.
- * C674x: about 3633 cycles (estimate). */
+ * 1173 float +-, 877 float *, 58 float comparisons, 4377 integer, 994 loads, 578 stores, 1018 branches.
+ * C674x: about 3732 cycles (estimate). */
 void appendix_a_learn(appendix_a_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
- * 1 of the APPENDIX_A_COMMIT_POINTS check points, between which the bounds in appendix_a_params.h hold; then one
+ * 1 of the APPENDIX_A_COMMIT_POINTS check points, between which the bounds in appendix_a_params.h hold; then the
+ * copy is on trial, until it has been compared with the parameters in use on APPENDIX_A_COMMIT_TRIAL samples of appendix_a_learn; one
  * writes the idle bank, and one switches banks. After a refusal the shadow learns on and the active parameters stay.
  * appendix_a_predict, appendix_a_simulate and appendix_a_inverse may interrupt a call, appendix_a_learn must not.
  *
  * @param self     the instance whose parameters change
  * @param learner  the learner whose shadow is checked
- * @return         APPENDIX_A_COMMIT_BUSY before the last call, then APPENDIX_A_COMMIT_COMMITTED or the reason of the refusal
+ * @return         APPENDIX_A_COMMIT_BUSY before the last call, APPENDIX_A_COMMIT_TRYING while samples are missing, then
+ *                 APPENDIX_A_COMMIT_COMMITTED or the reason of the refusal
  *
- * 80 float +-, 172 float *, 62 float comparisons, 298 integer, 218 loads, 41 stores, 65 branches.
- * C674x: about 469 cycles (estimate). */
+ * 80 float +-, 172 float *, 62 float comparisons, 301 integer, 219 loads, 46 stores, 65 branches.
+ * C674x: about 474 cycles (estimate). */
 appendix_a_commit_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *learner);
 
 /* The compiler of the caller must lay the structs out as the compiler of appendix_a.c: another size is an error here. */
 typedef char appendix_a_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_bank_t_size[(sizeof(appendix_a_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 188u) ? 1 : -1];  /**< static assertion */
-typedef char appendix_a_candidate_t_size[(sizeof(appendix_a_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
-typedef char appendix_a_learner_t_size[(sizeof(appendix_a_learner_t) == 1616u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_candidate_t_size[(sizeof(appendix_a_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_learner_t_size[(sizeof(appendix_a_learner_t) == 1636u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

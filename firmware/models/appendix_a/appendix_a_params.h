@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define APPENDIX_A_NUMBERS_DIGEST "45419b3e36b5e017e08a9c6c03c9c09c46b33a2604e6c19d28d559d7b8ab5cb1"
-#define APPENDIX_A_NUMBERS_WORD 0x45419b3eu
+#define APPENDIX_A_NUMBERS_DIGEST "6d1c89f7a2c75d527d1980e9e3f582f941634e2d3ca15c85a3595f636d7f5c40"
+#define APPENDIX_A_NUMBERS_WORD 0x6d1c89f7u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */
@@ -70,6 +70,7 @@ static const float appendix_a_gain[APPENDIX_A_BANK_RULES] = {
 #define APPENDIX_A_LEARN_FLOOR_UM       6.2500003e-05f  /* 0x3883126f */
 #define APPENDIX_A_LEARN_FLOOR_SQUARE  3.90625043e-09f  /* 0x318637be */
 #define APPENDIX_A_LEARN_LEVEL_UM          3.07509995f  /* 0x4044ce70 */
+#define APPENDIX_A_LEARN_CARRIED          0.979492188f  /* 0x3f7ac000 */
 #define APPENDIX_A_LEARN_FAST              0.00390625f  /* 0x3b800000 */
 #define APPENDIX_A_LEARN_SLOW          0.000244140625f  /* 0x39800000 */
 
@@ -141,6 +142,7 @@ static const float appendix_a_learn_firing[APPENDIX_A_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define APPENDIX_A_COMMIT_MATURE                 0x00000400u
+#define APPENDIX_A_COMMIT_TRIAL                  0x00000800u
 #define APPENDIX_A_COMMIT_HALF_UM             0.00606611511f  /* 0x3bc6c643 */
 #define APPENDIX_A_COMMIT_GAIN_REMAINDER     5.00745191e-05f  /* 0x3852071b */
 #define APPENDIX_A_COMMIT_SLOPE_REMAINDER_1  0.000150223554f  /* 0x391d8554 */

@@ -29,6 +29,7 @@
 #define MODEL_BUILD    0x82289dfau
 
 #define MODEL_BUSY       ((uint32_t)APPENDIX_A_COMMIT_BUSY)
+#define MODEL_TRYING     ((uint32_t)APPENDIX_A_COMMIT_TRYING)
 #define MODEL_COMMITTED  ((uint32_t)APPENDIX_A_COMMIT_COMMITTED)
 
 typedef appendix_a_t model_t;

@@ -1324,20 +1324,40 @@ EXTENDED_INLINE uint32_t extended_update(extended_learner_t *self)
 
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
-/* Innovation of the displacement y, e = y - x' theta - fixed, and that of the reference parameters. */
+/* Innovation of the displacement y, e = y - x' theta - fixed, that of the reference parameters and that of the copy on trial. */
 EXTENDED_CODE
-static EXTENDED_ALONE float extended_innovations(const extended_learner_t *self, float y, float *reference)
+static EXTENDED_ALONE float extended_innovations(const extended_learner_t *self, float y, float *reference, float *tried)
 {
     float shadow = 0.0f;
     float other = 0.0f;
+    float copy = 0.0f;
 
     EXTENDED_UNROLL
     for (uint32_t j = 0u; j < EXTENDED_LEARNED; ++j) {
         shadow = shadow + self->x[j] * self->theta[j];
         other = other + self->x[j] * self->reference[j];
+        copy = copy + self->x[j] * self->trial[j];
     }
     *reference = y - (other + self->fixed_um);
+    *tried = y - (copy + self->fixed_um);
     return y - (shadow + self->fixed_um);
+}
+
+/* The innovations of a trial, none larger than that of an outlier, add up as they do in a free run. */
+EXTENDED_INLINE void extended_try(extended_learner_t *self, float tried, float reference)
+{
+    uint32_t cut;
+    const float gate = EXTENDED_LEARN_GATE * self->scale_um + (2.0f * self->moving_um + EXTENDED_LEARN_GATE_FLOOR_UM);
+    const float limit = extended_float(extended_size(gate));
+    const float mine = EXTENDED_LEARN_CARRIED * self->trial_um + extended_limited(tried, -limit, limit, &cut);
+    const float others = EXTENDED_LEARN_CARRIED * self->trial_reference_um + extended_limited(reference, -limit, limit, &cut);
+
+    self->trying -= (uint32_t)(self->trying != 0u);
+    self->trial_um = extended_flushed(mine);
+    self->trial_reference_um = extended_flushed(others);
+    self->trial_error = self->trial_error + EXTENDED_LEARN_SLOW * ((mine * mine + EXTENDED_LEARN_FLOOR_SQUARE) - self->trial_error);
+    self->trial_reference_error = self->trial_reference_error
+        + EXTENDED_LEARN_SLOW * ((others * others + EXTENDED_LEARN_FLOOR_SQUARE) - self->trial_reference_error);
 }
 
 /* Update the running means. Returns 1 if the shadow, after its settling time, has a larger mean square innovation than
@@ -1392,11 +1412,13 @@ EXTENDED_INLINE uint32_t extended_evaluate_reading(
     extended_learner_t *self, float y, float *innovation, uint32_t *begun)
 {
     float reference;
+    float tried;
     uint32_t lost = 0u;
 
-    *innovation = extended_innovations(self, y, &reference);
+    *innovation = extended_innovations(self, y, &reference, &tried);
     extended_count_learner_event(self, &self->resting, self->rested, EXTENDED_LEARN_RESTING);
     if (self->rested == 0u) {
+        extended_try(self, tried, reference);
         lost = extended_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             extended_begin(self, *innovation);
@@ -1538,6 +1560,7 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     }
     for (uint32_t i = 0u; i < EXTENDED_LEARNED; ++i) {
         self->x[i] = 0.0f;
+        self->trial[i] = 0.0f;
         self->f[i] = 0.0f;
         self->g[i] = 0.0f;
         self->l[i] = 0.0f;
@@ -1550,11 +1573,16 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model)
     self->y_um = model->y_um;
     self->u_V = model->u_V;
     self->mean_u_V = model->u_V;
+    self->trial_um = 0.0f;
+    self->trial_reference_um = 0.0f;
+    self->trial_error = 0.0f;
+    self->trial_reference_error = 0.0f;
     self->fresh = 0u;
     self->rested = 0u;
     self->measuring = 0u;
     self->since_refresh = 0u;
     self->turn = 0u;
+    self->trying = 0u;
     self->status = 0u;
     self->updates = 0u;
     self->rejected = 0u;
@@ -1625,7 +1653,7 @@ static void extended_bound_remainders(extended_candidate_t *candidate)
     candidate->slope_remainder[1] = common + EXTENDED_COMMIT_SLOPE_REMAINDER_3 * high;
 }
 
-/* Copy the shadow into the candidate, unless it is too young or a parameter is beyond its limit. */
+/* Copy the shadow for a trial, on nothing if nothing was ever learnt, unless it is too young or a parameter is beyond its limit. */
 EXTENDED_CODE
 static extended_commit_t extended_snapshot(extended_learner_t *learner)
 {
@@ -1638,7 +1666,7 @@ static extended_commit_t extended_snapshot(extended_learner_t *learner)
     }
     EXTENDED_UNROLL
     for (uint32_t j = 0u; j < EXTENDED_LEARNED; ++j) {
-        candidate->theta[j] = learner->theta[j];
+        learner->trial[j] = learner->theta[j];
         beyond |= extended_beyond(learner->theta[j]);
     }
     EXTENDED_UNROLL
@@ -1651,6 +1679,11 @@ static extended_commit_t extended_snapshot(extended_learner_t *learner)
         return EXTENDED_COMMIT_REFUSED_LIMIT;
     }
     extended_bound_remainders(candidate);
+    learner->trial_um = 0.0f;
+    learner->trial_reference_um = 0.0f;
+    learner->trial_error = 0.0f;
+    learner->trial_reference_error = 0.0f;
+    learner->trying = (learner->updates != 0u) ? EXTENDED_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)EXTENDED_PHASE_CHECK;
     return EXTENDED_COMMIT_BUSY;
@@ -1746,6 +1779,16 @@ extended_commit_t extended_commit(extended_t *self, extended_learner_t *learner)
         }
         candidate->phase = (answer == EXTENDED_COMMIT_BUSY) ? candidate->phase : (uint32_t)EXTENDED_PHASE_IDLE;
         break;
+    case (uint32_t)EXTENDED_PHASE_TRIAL:
+        if (learner->trying != 0u) {
+            answer = EXTENDED_COMMIT_TRYING;
+        } else if (learner->trial_error > learner->trial_reference_error) {
+            answer = EXTENDED_COMMIT_REFUSED_WORSE;
+            candidate->phase = (uint32_t)EXTENDED_PHASE_IDLE;
+        } else {
+            candidate->phase = (uint32_t)EXTENDED_PHASE_WRITE;
+        }
+        break;
     case (uint32_t)EXTENDED_PHASE_WRITE:
         extended_write(self, candidate);
         candidate->phase = (uint32_t)EXTENDED_PHASE_SWITCH;
@@ -1753,7 +1796,7 @@ extended_commit_t extended_commit(extended_t *self, extended_learner_t *learner)
     default:
         self->active = 1u - self->active;
         for (uint32_t j = 0u; j < EXTENDED_LEARNED; ++j) {
-            learner->reference[j] = candidate->theta[j];
+            learner->reference[j] = learner->trial[j];
         }
         candidate->phase = (uint32_t)EXTENDED_PHASE_IDLE;
         answer = EXTENDED_COMMIT_COMMITTED;

@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "7536dbdb24d1c2be15f1358dc2c195fdc439e442143f03d64779c430917ca098"
-#define EXTENDED_ALGORITHM_WORD 0x7536dbdbu  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "48570983102516e6a6ba29d61c5b683e34999dd740b826e679ff8e9dddc025aa"
+#define EXTENDED_ALGORITHM_WORD 0x48570983u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -194,15 +194,18 @@ typedef enum {
     EXTENDED_COMMIT_REFUSED_YOUNG = 2,  /**< The shadow has had too few updates since its restart. */
     EXTENDED_COMMIT_REFUSED_LIMIT = 3,  /**< A parameter is not finite or beyond its limit. */
     EXTENDED_COMMIT_REFUSED_GAIN = 4,   /**< The gain b(y) would come too close to zero or change its sign. */
-    EXTENDED_COMMIT_REFUSED_SLOPE = 5   /**< The slope |df/dy| would come too close to 1. */
+    EXTENDED_COMMIT_REFUSED_SLOPE = 5,  /**< The slope |df/dy| would come too close to 1. */
+    EXTENDED_COMMIT_REFUSED_WORSE = 6,  /**< Over the samples of its trial, the shadow predicted worse than the parameters in use. */
+    EXTENDED_COMMIT_TRYING = 7          /**< The trial is not finished; learn from further samples, then call again. */
 } extended_commit_t;
 
 /** Phases of a commit: `phase` of a candidate. */
 typedef enum {
     EXTENDED_PHASE_IDLE = 0,   /**< No commit is under way; the next call copies the shadow. */
     EXTENDED_PHASE_CHECK = 1,  /**< The next call examines check points. */
-    EXTENDED_PHASE_WRITE = 2,  /**< The next call writes the candidate into the idle bank. */
-    EXTENDED_PHASE_SWITCH = 3  /**< The next call makes the written bank active. */
+    EXTENDED_PHASE_TRIAL = 2,  /**< The candidate is compared with the parameters in use, sample by sample. */
+    EXTENDED_PHASE_WRITE = 3,  /**< The next call writes the candidate into the idle bank. */
+    EXTENDED_PHASE_SWITCH = 4  /**< The next call makes the written bank active. */
 } extended_phase_t;
 
 /** A copy of the shadow whose certificates a commit checks before it becomes active. */
@@ -211,8 +214,7 @@ typedef struct {
     uint32_t point;                 /**< Index of the check point that the next call examines first. */
     float gain_remainder_um_per_V;  /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
     float slope_remainder[2];       /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
-    float theta[EXTENDED_LEARNED];  /**< Copy of the shadow's parameters, scaled [um]. */
-    extended_bank_t bank;           /**< The parameters theta as a bank. */
+    extended_bank_t bank;           /**< The parameters on trial as a bank. */
 } extended_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
@@ -223,6 +225,7 @@ typedef struct {
     float theta[EXTENDED_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
     float theta_low[EXTENDED_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
     float reference[EXTENDED_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
+    float trial[EXTENDED_LEARNED];      /**< Copy of the shadow's parameters that a commit checks [um]. */
     float f[EXTENDED_LEARNED];          /**< Vector f = U' x of this update. */
     float g[EXTENDED_LEARNED];          /**< Vector g = D f of this update. */
     float l[EXTENDED_LEARNED];          /**< Vector of l_j = -f_j / alpha_(j-1) of this update. */
@@ -239,11 +242,16 @@ typedef struct {
     float error;                        /**< Mean square innovation of the shadow [um^2]. */
     float reference_error;              /**< Mean square innovation of the reference parameters [um^2]. */
     float step_error;                   /**< Mean square of y(k) - y(k-1) [um^2]. */
+    float trial_um;                     /**< Error of the copy in free run, to first order [um]. */
+    float trial_reference_um;           /**< That of the reference parameters [um]. */
+    float trial_error;                  /**< Mean square of trial_um since the copy [um^2]. */
+    float trial_reference_error;        /**< Mean square of trial_reference_um since then [um^2]. */
     uint32_t fresh;                     /**< 1 if the regressors belong to the previous sample, 0 if it was not usable. */
     uint32_t rested;                    /**< 1 if the input was at rest at the previous sample. */
     uint32_t measuring;                 /**< 1 if this update uses a sample, 0 if it restores the prior of a parameter. */
     uint32_t since_refresh;             /**< Number of updates since the prior of a parameter was restored. */
     uint32_t turn;                      /**< Index of the parameter whose prior is restored next. */
+    uint32_t trying;                    /**< Number of samples that the copy is still to be compared on. */
     uint32_t run;                       /**< Number of consecutive outliers. */
     uint32_t age;                       /**< Number of updates since the last restart. */
     uint32_t status;                    /**< Bits EXTENDED_LEARN_..., set by events and cleared by the caller. */
@@ -276,21 +284,23 @@ void extended_learn_init(extended_learner_t *self, const extended_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in extended_predict
  *
- * 1281 float +-, 931 float *, 83 float comparisons, 4447 integer, 1062 loads, 622 stores, 1024 branches.
- * C674x: about 3984 cycles (estimate). */
+ * 1311 float +-, 957 float *, 87 float comparisons, 4480 integer, 1109 loads, 627 stores, 1024 branches.
+ * C674x: about 4084 cycles (estimate). */
 void extended_learn(extended_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
- * 1 of the EXTENDED_COMMIT_POINTS check points, between which the bounds in extended_params.h hold; then one
+ * 1 of the EXTENDED_COMMIT_POINTS check points, between which the bounds in extended_params.h hold; then the
+ * copy is on trial, until it has been compared with the parameters in use on EXTENDED_COMMIT_TRIAL samples of extended_learn; one
  * writes the idle bank, and one switches banks. After a refusal the shadow learns on and the active parameters stay.
  * extended_predict, extended_simulate and extended_inverse may interrupt a call, extended_learn must not.
  *
  * @param self     the instance whose parameters change
  * @param learner  the learner whose shadow is checked
- * @return         EXTENDED_COMMIT_BUSY before the last call, then EXTENDED_COMMIT_COMMITTED or the reason of the refusal
+ * @return         EXTENDED_COMMIT_BUSY before the last call, EXTENDED_COMMIT_TRYING while samples are missing, then
+ *                 EXTENDED_COMMIT_COMMITTED or the reason of the refusal
  *
- * 80 float +-, 172 float *, 62 float comparisons, 298 integer, 218 loads, 41 stores, 65 branches.
- * C674x: about 469 cycles (estimate). */
+ * 80 float +-, 172 float *, 62 float comparisons, 301 integer, 219 loads, 46 stores, 65 branches.
+ * C674x: about 474 cycles (estimate). */
 extended_commit_t extended_commit(extended_t *self, extended_learner_t *learner);
 
 /* The compiler of the caller must lay the structs out as the compiler of extended.c: another size is an error here. */
@@ -301,8 +311,8 @@ typedef char extended_creep_t_size[(sizeof(extended_creep_t) == 32u) ? 1 : -1]; 
 typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 212u) ? 1 : -1];  /**< static assertion */
 typedef char extended_bank_t_size[(sizeof(extended_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
 typedef char extended_t_size[(sizeof(extended_t) == 400u) ? 1 : -1];  /**< static assertion */
-typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
-typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1828u) ? 1 : -1];  /**< static assertion */
+typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
+typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1848u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

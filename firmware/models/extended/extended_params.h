@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EXTENDED_NUMBERS_DIGEST "02076cc2439630fb94aa0aeb9e80feb24859a3a53ec2f0616441630b9ec164ea"
-#define EXTENDED_NUMBERS_WORD 0x02076cc2u
+#define EXTENDED_NUMBERS_DIGEST "8bd7bd22cc4a38e5fd482e73e0390313e5ecd4fc83d1e8b583b7ef070004b8bb"
+#define EXTENDED_NUMBERS_WORD 0x8bd7bd22u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EXTENDED_Y_MIN_UM           -0.0555000007f  /* 0xbd6353f8 */
@@ -151,6 +151,7 @@ static const float extended_creep_amount[1] = {
 #define EXTENDED_LEARN_FLOOR_UM       6.2500003e-05f  /* 0x3883126f */
 #define EXTENDED_LEARN_FLOOR_SQUARE  3.90625043e-09f  /* 0x318637be */
 #define EXTENDED_LEARN_LEVEL_UM          3.06434798f  /* 0x40441e47 */
+#define EXTENDED_LEARN_CARRIED          0.979736328f  /* 0x3f7ad000 */
 #define EXTENDED_LEARN_FAST              0.00390625f  /* 0x3b800000 */
 #define EXTENDED_LEARN_SLOW          0.000244140625f  /* 0x39800000 */
 
@@ -222,6 +223,7 @@ static const float extended_learn_firing[EXTENDED_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define EXTENDED_COMMIT_MATURE                0x00000400u
+#define EXTENDED_COMMIT_TRIAL                 0x00000800u
 #define EXTENDED_COMMIT_HALF_UM             0.0483592413f  /* 0x3d461457 */
 #define EXTENDED_COMMIT_GAIN_REMAINDER     0.00320476922f  /* 0x3b52071b */
 #define EXTENDED_COMMIT_SLOPE_REMAINDER_1  0.00961430743f  /* 0x3c1d8554 */

@@ -29,6 +29,7 @@
 #define MODEL_BUILD    0x4ec8c2bbu
 
 #define MODEL_BUSY       ((uint32_t)EXTENDED_COMMIT_BUSY)
+#define MODEL_TRYING     ((uint32_t)EXTENDED_COMMIT_TRYING)
 #define MODEL_COMMITTED  ((uint32_t)EXTENDED_COMMIT_COMMITTED)
 
 typedef extended_t model_t;

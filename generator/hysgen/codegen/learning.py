@@ -181,6 +181,7 @@ def _sections(numbers: LearnerNumbers, model: Model, *, firing: bool) -> list[Se
         Constant("LEARN_FLOOR_UM", numbers.floor_um),
         Constant("LEARN_FLOOR_SQUARE", share * share),
         Constant("LEARN_LEVEL_UM", numbers.level_um),
+        Constant("LEARN_CARRIED", numbers.carried),
         Constant("LEARN_FAST", np.float32(FAST)),
         Constant("LEARN_SLOW", np.float32(SLOW)),
     ]
@@ -258,6 +259,7 @@ def _enumerators(prefix: str, meanings: Mapping[Commit, str] | Mapping[Phase, st
 def _commit_sections(numbers: CommitNumbers, upper: str, axis: Axis) -> list[Section]:
     constants = [
         Constant("COMMIT_MATURE", np.uint32(numbers.settings.mature)),
+        Constant("COMMIT_TRIAL", np.uint32(numbers.trial)),
         Constant("COMMIT_HALF_UM", numbers.half_um),
         Constant("COMMIT_GAIN_REMAINDER", numbers.gain_remainder),
         Constant("COMMIT_SLOPE_REMAINDER_1", numbers.slope_remainder_1),

@@ -105,8 +105,8 @@ def learning(model: Model, certificates: Certificates) -> LearningSequence | Non
     """Samples of the learner and commits of shadows; None for a model without a learner.
 
     The readings are the model's own free run with an error of up to NOISE and, every ninth, a reading at a limit, out
-    of range or not finite. The shadows: too young, the model's parameters, those just learned, and each group of
-    parameters scaled until a limit of the commit refuses it.
+    of range or not finite. The shadows: too young, the model's parameters, those just learned, two of which the first
+    reading tells the better one, and each group of parameters scaled until a limit of the commit refuses it.
     """
     if model.learner is None:
         return None
@@ -139,7 +139,8 @@ def learning(model: Model, certificates: Certificates) -> LearningSequence | Non
             learner.learn(y_k, u_k)
             rows.append((_bits([y_k, u_k], 0), _bits(aux, 0), hashed(_learner_words(committer))))
             comments.append(", ".join(f"{number[0]:.6g}" for number in (y_k, u_k, *aux)))
-        cases = [_committed(committer, instance, *shadow) for shadow in _shadows(learner, own, age)]
+        reading = np.array(rows[0][0], np.uint32).view(np.float32)
+        cases = [_committed(committer, instance, reading, *shadow) for shadow in _shadows(learner, own, age)]
     return LearningSequence(
         start=(int(y0.view(np.uint32)), int(u0.view(np.uint32))),
         rows=rows,
@@ -156,6 +157,8 @@ def _shadows(learner: Learner, own: NDArray[np.float32], age: int) -> list[tuple
     learned = learner.theta.copy()
     shadows = [(learned, 0), (own, age), (learned, age)]
     groups = np.array([parameter.group for parameter in learner.numbers.parameters])[:, None]
+    shift = np.where(groups == groups[-1], np.float32(1e-3) * learner.numbers.level_um, np.float32(0.0))
+    shadows += [(own + shift, age), (own - shift, age)]
     for group, factor in (("gain", 0.02), ("gain", -1.0), ("slope", 1.3), ("slope", -1.3)):
         if (groups == group).any():
             shadows.append((np.where(groups == group, np.float32(factor) * own, own), age))
@@ -163,12 +166,18 @@ def _shadows(learner: Learner, own: NDArray[np.float32], age: int) -> list[tuple
     return shadows
 
 
-def _committed(committer: Committer, instance: Instance, theta: NDArray[np.float32], age: int) -> CommitCase:
-    """The calls of `_commit` until it answers."""
-    committer.learner.theta, committer.learner.age = theta.copy(), np.full(1, age, np.uint32)
+def _committed(
+    committer: Committer, instance: Instance, reading: NDArray[np.float32], theta: NDArray[np.float32], age: int
+) -> CommitCase:
+    """The calls of `_commit` until it answers; the trial is of one sample, `reading` twice."""
+    learner = committer.learner
+    learner.theta, learner.age = theta.copy(), np.full(1, age, np.uint32)
     answer, calls = Commit.BUSY, 0
-    while answer == Commit.BUSY:
+    while answer in (Commit.BUSY, Commit.TRYING):
         answer, calls = Commit(int(committer.commit()[0])), calls + 1
+        if answer == Commit.TRYING:
+            learner.trying = np.ones(1, np.uint32)
+            learner.learn(reading[:1], reading[1:])
     words = hashed(_learner_words(committer), hashed(_instance_words(committer, instance)))
     return CommitCase([int(word) for word in theta.view(np.uint32)[:, 0]], age, calls, int(answer), words)
 

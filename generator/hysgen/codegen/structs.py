@@ -138,8 +138,7 @@ def instance_struct(model: Model, numbers: Coefficients) -> Struct:
 
 
 def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
-    """`<name>_candidate_t`: the copy of the shadow parameters that a commit checks."""
-    learned = learner_numbers(model, numbers).size
+    """`<name>_candidate_t`: how far a commit is with the copy of the shadow, and the copy as a bank."""
     return Struct(
         f"{model.name}_candidate_t",
         (
@@ -157,15 +156,7 @@ def candidate_struct(model: Model, numbers: Coefficients) -> Struct:
                 "bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules",
                 (2,),
             ),
-            Member(
-                "theta",
-                "float",
-                "copy of the shadow's parameters, scaled",
-                (learned,),
-                (f"{model.name.upper()}_LEARNED",),
-                "um",
-            ),
-            Member("bank", bank_struct(model, numbers), "the parameters theta as a bank"),
+            Member("bank", bank_struct(model, numbers), "the parameters on trial as a bank"),
         ),
     )
 

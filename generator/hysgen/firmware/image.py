@@ -76,7 +76,7 @@ ANSWERS: Final = {
     **{
         6 + answer: f"refused: not certified: {COMMIT_MEANINGS[answer]}"
         for answer in Commit
-        if answer > Commit.COMMITTED
+        if Commit.COMMITTED < answer < Commit.REFUSED_WORSE  # an image has no trial
     },
     13: "refused: its MAC does not fit its bytes and the firmware's key",
     14: "refused: for another device",

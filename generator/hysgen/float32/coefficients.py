@@ -202,6 +202,11 @@ class CommitNumbers:
         """Number of check points G."""
         return self.y_um.size
 
+    @property
+    def trial(self) -> int:
+        """Number of samples over which a shadow is compared with the parameters in use."""
+        return self.settings.settle // 4
+
 
 def commit_numbers(model: Model, numbers: Coefficients, certificates: Certificates) -> CommitNumbers:
     """The numbers of `model`'s `_commit`.

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from hysgen.errors import ModelError
-from hysgen.float32.coefficients import Coefficients, Floats, Floats32, single
+from hysgen.float32.coefficients import Coefficients, Floats, Floats32, membership_derivatives, single
 from hysgen.machine.reproducible import power, total
 from hysgen.model.learner_settings import BIAS, LearnerSettings
 from hysgen.model.model import Model
@@ -54,6 +54,7 @@ class LearnerNumbers:
     largest_denominator: limit of alpha_n = 1 + x' P x, above which the learner restarts.
     rest_V: largest distance of the input from its running mean at which a sample is not used.
     floor_um, level_um: least and initial running mean of |innovation|. gate_floor_um, gate_ratio: outlier gate.
+    carried: share of an error of the free run that is left one sample later.
     step_um, limit_um: limits of one step and of |theta|. worse, lost: limits of ratios of mean square errors.
     The fields that have a setting of the same name are described in `LearnerSettings`.
     """
@@ -83,6 +84,7 @@ class LearnerNumbers:
     limit_um: np.float32
     worse: np.float32
     lost: np.float32
+    carried: np.float32
 
     @property
     def size(self) -> int:
@@ -92,6 +94,14 @@ class LearnerNumbers:
     def learns(self, group: str) -> bool:
         """Whether parameters of `group` are learned."""
         return group in self.settings.learned
+
+
+def _carried(model: Model) -> np.float32:
+    """Mean of df/dy over the range in the middle of the input of the rules, in steps of 2^-12 from 0 to below 1."""
+    ends_um, q = np.array([model.grid.y_min_um, model.grid.y_max_um]), model.consequents
+    lines = np.outer(ends_um, q[:, 0]) + q[:, 1] * 0.5 * (model.w_range.low + model.w_range.high) + q[:, 2]
+    low, high = (membership_derivatives(ends_um, model.grid)[0] * lines).sum(axis=1)
+    return np.float32(np.clip(np.rint(4096.0 * (high - low) / (ends_um[1] - ends_um[0])), 0.0, 4095.0) / 4096.0)
 
 
 def factors(parameters: int) -> int:
@@ -151,6 +161,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         limit_um=np.float32(_default(settings.limit_um, 256.0 * span * max(deviation, 1.0))),
         worse=np.float32(worse * worse),
         lost=np.float32(settings.lost * settings.lost),
+        carried=_carried(model),
     )
 
 

@@ -253,6 +253,8 @@ class Commit(enum.IntEnum):
     REFUSED_LIMIT = 3
     REFUSED_GAIN = 4
     REFUSED_SLOPE = 5
+    REFUSED_WORSE = 6
+    TRYING = 7
 
 
 COMMIT_MEANINGS = {
@@ -262,6 +264,8 @@ COMMIT_MEANINGS = {
     Commit.REFUSED_LIMIT: "A parameter is not finite or beyond its limit.",
     Commit.REFUSED_GAIN: "The gain b(y) would come too close to zero or change its sign.",
     Commit.REFUSED_SLOPE: "The slope |df/dy| would come too close to 1.",
+    Commit.REFUSED_WORSE: "Over the samples of its trial, the shadow predicted worse than the parameters in use.",
+    Commit.TRYING: "The trial is not finished; learn from further samples, then call again.",
 }
 
 
@@ -270,13 +274,15 @@ class Phase(enum.IntEnum):
 
     IDLE = 0
     CHECK = 1
-    WRITE = 2
-    SWITCH = 3
+    TRIAL = 2
+    WRITE = 3
+    SWITCH = 4
 
 
 PHASE_MEANINGS = {
     Phase.IDLE: "No commit is under way; the next call copies the shadow.",
     Phase.CHECK: "The next call examines check points.",
+    Phase.TRIAL: "The candidate is compared with the parameters in use, sample by sample.",
     Phase.WRITE: "The next call writes the candidate into the idle bank.",
     Phase.SWITCH: "The next call makes the written bank active.",
 }
@@ -315,6 +321,10 @@ class LearnerWords(StructWords):
         Floats32,
         vector("parameters of the last commit, before it those of the model, scaled", unit="um", parameter=True),
     ]
+    trial: Annotated[
+        Floats32,
+        vector("copy of the shadow's parameters that a commit checks", unit="um", start=Start.ZERO, parameter=True),
+    ]
     f: Annotated[
         Floats32, vector("vector f = U' x of this update", start=Start.ZERO, any_bits=True, written_by=("project",))
     ]
@@ -348,6 +358,12 @@ class LearnerWords(StructWords):
         Floats32, number("mean square innovation of the reference parameters", unit="um^2", restart=Restart.ZERO)
     ]
     step_error: Annotated[Floats32, number("mean square of y(k) - y(k-1)", unit="um^2", restart=Restart.ZERO)]
+    trial_um: Annotated[Floats32, number("error of the copy in free run, to first order", unit="um", start=Start.ZERO)]
+    trial_reference_um: Annotated[Floats32, number("that of the reference parameters", unit="um", start=Start.ZERO)]
+    trial_error: Annotated[Floats32, number("mean square of trial_um since the copy", unit="um^2", start=Start.ZERO)]
+    trial_reference_error: Annotated[
+        Floats32, number("mean square of trial_reference_um since then", unit="um^2", start=Start.ZERO)
+    ]
     fresh: Annotated[
         Words, flag("1 if the regressors belong to the previous sample, 0 if it was not usable", start=Start.ZERO)
     ]
@@ -359,6 +375,7 @@ class LearnerWords(StructWords):
         Words, integer("number of updates since the prior of a parameter was restored", start=Start.ZERO)
     ]
     turn: Annotated[Words, integer("index of the parameter whose prior is restored next", start=Start.ZERO)]
+    trying: Annotated[Words, integer("number of samples that the copy is still to be compared on", start=Start.ZERO)]
     run: Annotated[Words, integer("number of consecutive outliers", restart=Restart.ZERO)]
     age: Annotated[
         Words, integer("number of updates since the last restart", restart=Restart.ZERO, written_by=("step",))

@@ -1352,20 +1352,40 @@ DIAGNOSED_INLINE uint32_t diagnosed_update(diagnosed_learner_t *self)
 
 /* ---- Learner: samples ------------------------------------------------------------------------------------------ */
 
-/* Innovation of the displacement y, e = y - x' theta - fixed, and that of the reference parameters. */
+/* Innovation of the displacement y, e = y - x' theta - fixed, that of the reference parameters and that of the copy on trial. */
 DIAGNOSED_CODE
-static DIAGNOSED_ALONE float diagnosed_innovations(const diagnosed_learner_t *self, float y, float *reference)
+static DIAGNOSED_ALONE float diagnosed_innovations(const diagnosed_learner_t *self, float y, float *reference, float *tried)
 {
     float shadow = 0.0f;
     float other = 0.0f;
+    float copy = 0.0f;
 
     DIAGNOSED_UNROLL
     for (uint32_t j = 0u; j < DIAGNOSED_LEARNED; ++j) {
         shadow = shadow + self->x[j] * self->theta[j];
         other = other + self->x[j] * self->reference[j];
+        copy = copy + self->x[j] * self->trial[j];
     }
     *reference = y - (other + self->fixed_um);
+    *tried = y - (copy + self->fixed_um);
     return y - (shadow + self->fixed_um);
+}
+
+/* The innovations of a trial, none larger than that of an outlier, add up as they do in a free run. */
+DIAGNOSED_INLINE void diagnosed_try(diagnosed_learner_t *self, float tried, float reference)
+{
+    uint32_t cut;
+    const float gate = DIAGNOSED_LEARN_GATE * self->scale_um + (2.0f * self->moving_um + DIAGNOSED_LEARN_GATE_FLOOR_UM);
+    const float limit = diagnosed_float(diagnosed_size(gate));
+    const float mine = DIAGNOSED_LEARN_CARRIED * self->trial_um + diagnosed_limited(tried, -limit, limit, &cut);
+    const float others = DIAGNOSED_LEARN_CARRIED * self->trial_reference_um + diagnosed_limited(reference, -limit, limit, &cut);
+
+    self->trying -= (uint32_t)(self->trying != 0u);
+    self->trial_um = diagnosed_flushed(mine);
+    self->trial_reference_um = diagnosed_flushed(others);
+    self->trial_error = self->trial_error + DIAGNOSED_LEARN_SLOW * ((mine * mine + DIAGNOSED_LEARN_FLOOR_SQUARE) - self->trial_error);
+    self->trial_reference_error = self->trial_reference_error
+        + DIAGNOSED_LEARN_SLOW * ((others * others + DIAGNOSED_LEARN_FLOOR_SQUARE) - self->trial_reference_error);
 }
 
 /* Update the running means. Returns 1 if the shadow, after its settling time, has a larger mean square innovation than
@@ -1420,11 +1440,13 @@ DIAGNOSED_INLINE uint32_t diagnosed_evaluate_reading(
     diagnosed_learner_t *self, float y, float *innovation, uint32_t *begun)
 {
     float reference;
+    float tried;
     uint32_t lost = 0u;
 
-    *innovation = diagnosed_innovations(self, y, &reference);
+    *innovation = diagnosed_innovations(self, y, &reference, &tried);
     diagnosed_count_learner_event(self, &self->resting, self->rested, DIAGNOSED_LEARN_RESTING);
     if (self->rested == 0u) {
+        diagnosed_try(self, tried, reference);
         lost = diagnosed_restart_needed(self, *innovation, reference, y - self->y_um);
         if (lost == 0u) {
             diagnosed_begin(self, *innovation);
@@ -1577,6 +1599,7 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model)
     }
     for (uint32_t i = 0u; i < DIAGNOSED_LEARNED; ++i) {
         self->x[i] = 0.0f;
+        self->trial[i] = 0.0f;
         self->f[i] = 0.0f;
         self->g[i] = 0.0f;
         self->l[i] = 0.0f;
@@ -1589,11 +1612,16 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model)
     self->y_um = model->y_um;
     self->u_V = model->u_V;
     self->mean_u_V = model->u_V;
+    self->trial_um = 0.0f;
+    self->trial_reference_um = 0.0f;
+    self->trial_error = 0.0f;
+    self->trial_reference_error = 0.0f;
     self->fresh = 0u;
     self->rested = 0u;
     self->measuring = 0u;
     self->since_refresh = 0u;
     self->turn = 0u;
+    self->trying = 0u;
     self->status = 0u;
     self->updates = 0u;
     self->rejected = 0u;
@@ -1665,7 +1693,7 @@ static void diagnosed_bound_remainders(diagnosed_candidate_t *candidate)
     candidate->slope_remainder[1] = common + DIAGNOSED_COMMIT_SLOPE_REMAINDER_3 * high;
 }
 
-/* Copy the shadow into the candidate, unless it is too young or a parameter is beyond its limit. */
+/* Copy the shadow for a trial, on nothing if nothing was ever learnt, unless it is too young or a parameter is beyond its limit. */
 DIAGNOSED_CODE
 static diagnosed_commit_t diagnosed_snapshot(diagnosed_learner_t *learner)
 {
@@ -1678,7 +1706,7 @@ static diagnosed_commit_t diagnosed_snapshot(diagnosed_learner_t *learner)
     }
     DIAGNOSED_UNROLL
     for (uint32_t j = 0u; j < DIAGNOSED_LEARNED; ++j) {
-        candidate->theta[j] = learner->theta[j];
+        learner->trial[j] = learner->theta[j];
         beyond |= diagnosed_beyond(learner->theta[j]);
     }
     DIAGNOSED_UNROLL
@@ -1691,6 +1719,11 @@ static diagnosed_commit_t diagnosed_snapshot(diagnosed_learner_t *learner)
         return DIAGNOSED_COMMIT_REFUSED_LIMIT;
     }
     diagnosed_bound_remainders(candidate);
+    learner->trial_um = 0.0f;
+    learner->trial_reference_um = 0.0f;
+    learner->trial_error = 0.0f;
+    learner->trial_reference_error = 0.0f;
+    learner->trying = (learner->updates != 0u) ? DIAGNOSED_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)DIAGNOSED_PHASE_CHECK;
     return DIAGNOSED_COMMIT_BUSY;
@@ -1786,6 +1819,16 @@ diagnosed_commit_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *lear
         }
         candidate->phase = (answer == DIAGNOSED_COMMIT_BUSY) ? candidate->phase : (uint32_t)DIAGNOSED_PHASE_IDLE;
         break;
+    case (uint32_t)DIAGNOSED_PHASE_TRIAL:
+        if (learner->trying != 0u) {
+            answer = DIAGNOSED_COMMIT_TRYING;
+        } else if (learner->trial_error > learner->trial_reference_error) {
+            answer = DIAGNOSED_COMMIT_REFUSED_WORSE;
+            candidate->phase = (uint32_t)DIAGNOSED_PHASE_IDLE;
+        } else {
+            candidate->phase = (uint32_t)DIAGNOSED_PHASE_WRITE;
+        }
+        break;
     case (uint32_t)DIAGNOSED_PHASE_WRITE:
         diagnosed_write(self, candidate);
         candidate->phase = (uint32_t)DIAGNOSED_PHASE_SWITCH;
@@ -1793,7 +1836,7 @@ diagnosed_commit_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *lear
     default:
         self->active = 1u - self->active;
         for (uint32_t j = 0u; j < DIAGNOSED_LEARNED; ++j) {
-            learner->reference[j] = candidate->theta[j];
+            learner->reference[j] = learner->trial[j];
         }
         candidate->phase = (uint32_t)DIAGNOSED_PHASE_IDLE;
         answer = DIAGNOSED_COMMIT_COMMITTED;

@@ -30,8 +30,8 @@ extern "C" {
 
 #define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define DIAGNOSED_ALGORITHM "ddc17fa51f4cb191bc49dd5bf452036d730f57458b73b342919665ce2b0625f6"
-#define DIAGNOSED_ALGORITHM_WORD 0xddc17fa5u  /**< its first 32 bits */
+#define DIAGNOSED_ALGORITHM "531b8d9ebd7bed8574d3f658f8a3724154fabd2898afbaaa0adc38fbbbe864e1"
+#define DIAGNOSED_ALGORITHM_WORD 0x531b8d9eu  /**< its first 32 bits */
 
 #define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -203,25 +203,27 @@ typedef enum {
     DIAGNOSED_COMMIT_REFUSED_YOUNG = 2,  /**< The shadow has had too few updates since its restart. */
     DIAGNOSED_COMMIT_REFUSED_LIMIT = 3,  /**< A parameter is not finite or beyond its limit. */
     DIAGNOSED_COMMIT_REFUSED_GAIN = 4,   /**< The gain b(y) would come too close to zero or change its sign. */
-    DIAGNOSED_COMMIT_REFUSED_SLOPE = 5   /**< The slope |df/dy| would come too close to 1. */
+    DIAGNOSED_COMMIT_REFUSED_SLOPE = 5,  /**< The slope |df/dy| would come too close to 1. */
+    DIAGNOSED_COMMIT_REFUSED_WORSE = 6,  /**< Over the samples of its trial, the shadow predicted worse than the parameters in use. */
+    DIAGNOSED_COMMIT_TRYING = 7          /**< The trial is not finished; learn from further samples, then call again. */
 } diagnosed_commit_t;
 
 /** Phases of a commit: `phase` of a candidate. */
 typedef enum {
     DIAGNOSED_PHASE_IDLE = 0,   /**< No commit is under way; the next call copies the shadow. */
     DIAGNOSED_PHASE_CHECK = 1,  /**< The next call examines check points. */
-    DIAGNOSED_PHASE_WRITE = 2,  /**< The next call writes the candidate into the idle bank. */
-    DIAGNOSED_PHASE_SWITCH = 3  /**< The next call makes the written bank active. */
+    DIAGNOSED_PHASE_TRIAL = 2,  /**< The candidate is compared with the parameters in use, sample by sample. */
+    DIAGNOSED_PHASE_WRITE = 3,  /**< The next call writes the candidate into the idle bank. */
+    DIAGNOSED_PHASE_SWITCH = 4  /**< The next call makes the written bank active. */
 } diagnosed_phase_t;
 
 /** A copy of the shadow whose certificates a commit checks before it becomes active. */
 typedef struct {
-    uint32_t phase;                  /**< Phase of the commit, a value of diagnosed_phase_t. */
-    uint32_t point;                  /**< Index of the check point that the next call examines first. */
-    float gain_remainder_um_per_V;   /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
-    float slope_remainder[2];        /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
-    float theta[DIAGNOSED_LEARNED];  /**< Copy of the shadow's parameters, scaled [um]. */
-    diagnosed_bank_t bank;           /**< The parameters theta as a bank. */
+    uint32_t phase;                 /**< Phase of the commit, a value of diagnosed_phase_t. */
+    uint32_t point;                 /**< Index of the check point that the next call examines first. */
+    float gain_remainder_um_per_V;  /**< Bound of the Taylor remainder of the gain between check points [um/V]. */
+    float slope_remainder[2];       /**< Bounds of the Taylor remainder of df/dy at the lowest and the highest input of the rules. */
+    diagnosed_bank_t bank;          /**< The parameters on trial as a bank. */
 } diagnosed_candidate_t;
 
 /** A learner: the covariance P = U D U' of Eq. (10), the shadow parameters theta, and what it needs between samples.
@@ -232,6 +234,7 @@ typedef struct {
     float theta[DIAGNOSED_LEARNED];      /**< Parameters theta of the shadow, scaled [um]. */
     float theta_low[DIAGNOSED_LEARNED];  /**< Rounding error of theta, added to the next step [um]. */
     float reference[DIAGNOSED_LEARNED];  /**< Parameters of the last commit, before it those of the model, scaled [um]. */
+    float trial[DIAGNOSED_LEARNED];      /**< Copy of the shadow's parameters that a commit checks [um]. */
     float f[DIAGNOSED_LEARNED];          /**< Vector f = U' x of this update. */
     float g[DIAGNOSED_LEARNED];          /**< Vector g = D f of this update. */
     float l[DIAGNOSED_LEARNED];          /**< Vector of l_j = -f_j / alpha_(j-1) of this update. */
@@ -248,11 +251,16 @@ typedef struct {
     float error;                         /**< Mean square innovation of the shadow [um^2]. */
     float reference_error;               /**< Mean square innovation of the reference parameters [um^2]. */
     float step_error;                    /**< Mean square of y(k) - y(k-1) [um^2]. */
+    float trial_um;                      /**< Error of the copy in free run, to first order [um]. */
+    float trial_reference_um;            /**< That of the reference parameters [um]. */
+    float trial_error;                   /**< Mean square of trial_um since the copy [um^2]. */
+    float trial_reference_error;         /**< Mean square of trial_reference_um since then [um^2]. */
     uint32_t fresh;                      /**< 1 if the regressors belong to the previous sample, 0 if it was not usable. */
     uint32_t rested;                     /**< 1 if the input was at rest at the previous sample. */
     uint32_t measuring;                  /**< 1 if this update uses a sample, 0 if it restores the prior of a parameter. */
     uint32_t since_refresh;              /**< Number of updates since the prior of a parameter was restored. */
     uint32_t turn;                       /**< Index of the parameter whose prior is restored next. */
+    uint32_t trying;                     /**< Number of samples that the copy is still to be compared on. */
     uint32_t run;                        /**< Number of consecutive outliers. */
     uint32_t age;                        /**< Number of updates since the last restart. */
     uint32_t status;                     /**< Bits DIAGNOSED_LEARN_..., set by events and cleared by the caller. */
@@ -285,21 +293,23 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in diagnosed_predict
  *
- * 1284 float +-, 922 float *, 83 float comparisons, 4452 integer, 1061 loads, 620 stores, 1021 branches.
- * C674x: about 3976 cycles (estimate). */
+ * 1314 float +-, 948 float *, 87 float comparisons, 4485 integer, 1108 loads, 625 stores, 1021 branches.
+ * C674x: about 4075 cycles (estimate). */
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
- * 1 of the DIAGNOSED_COMMIT_POINTS check points, between which the bounds in diagnosed_params.h hold; then one
+ * 1 of the DIAGNOSED_COMMIT_POINTS check points, between which the bounds in diagnosed_params.h hold; then the
+ * copy is on trial, until it has been compared with the parameters in use on DIAGNOSED_COMMIT_TRIAL samples of diagnosed_learn; one
  * writes the idle bank, and one switches banks. After a refusal the shadow learns on and the active parameters stay.
  * diagnosed_predict, diagnosed_simulate and diagnosed_inverse may interrupt a call, diagnosed_learn must not.
  *
  * @param self     the instance whose parameters change
  * @param learner  the learner whose shadow is checked
- * @return         DIAGNOSED_COMMIT_BUSY before the last call, then DIAGNOSED_COMMIT_COMMITTED or the reason of the refusal
+ * @return         DIAGNOSED_COMMIT_BUSY before the last call, DIAGNOSED_COMMIT_TRYING while samples are missing, then
+ *                 DIAGNOSED_COMMIT_COMMITTED or the reason of the refusal
  *
- * 80 float +-, 172 float *, 62 float comparisons, 298 integer, 218 loads, 41 stores, 65 branches.
- * C674x: about 469 cycles (estimate). */
+ * 80 float +-, 172 float *, 62 float comparisons, 301 integer, 219 loads, 46 stores, 65 branches.
+ * C674x: about 474 cycles (estimate). */
 diagnosed_commit_t diagnosed_commit(diagnosed_t *self, diagnosed_learner_t *learner);
 
 /* The compiler of the caller must lay the structs out as the compiler of diagnosed.c: another size is an error here. */
@@ -311,8 +321,8 @@ typedef char diagnosed_modes_t_size[(sizeof(diagnosed_modes_t) == 16u) ? 1 : -1]
 typedef char diagnosed_inputs_t_size[(sizeof(diagnosed_inputs_t) == 196u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_bank_t_size[(sizeof(diagnosed_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 384u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_candidate_t_size[(sizeof(diagnosed_candidate_t) == 164u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1812u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_candidate_t_size[(sizeof(diagnosed_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1832u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

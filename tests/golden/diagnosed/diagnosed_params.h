@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define DIAGNOSED_NUMBERS_DIGEST "e13b96f8fa352f907a93feae62295c9ecf51d64d908444cb41643aa457312193"
-#define DIAGNOSED_NUMBERS_WORD 0xe13b96f8u
+#define DIAGNOSED_NUMBERS_DIGEST "8b85a521fffb3c9213f4561fc4e0561bc1433564186632cdc43080978d85752a"
+#define DIAGNOSED_NUMBERS_WORD 0x8b85a521u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define DIAGNOSED_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -169,6 +169,7 @@ static const float diagnosed_modes_per_direct[1] = {
 #define DIAGNOSED_LEARN_FLOOR_UM       6.2500003e-05f  /* 0x3883126f */
 #define DIAGNOSED_LEARN_FLOOR_SQUARE  3.90625043e-09f  /* 0x318637be */
 #define DIAGNOSED_LEARN_LEVEL_UM          3.07509995f  /* 0x4044ce70 */
+#define DIAGNOSED_LEARN_CARRIED          0.953613281f  /* 0x3f742000 */
 #define DIAGNOSED_LEARN_FAST              0.00390625f  /* 0x3b800000 */
 #define DIAGNOSED_LEARN_SLOW          0.000244140625f  /* 0x39800000 */
 
@@ -240,6 +241,7 @@ static const float diagnosed_learn_firing[DIAGNOSED_RULES] = {
  * memberships' second and third derivatives; limits of |b(y)| [um/V] and |df/dy|; rows of p_l, p_l', p_l''
  * over the strengths w_l at each check point. */
 #define DIAGNOSED_COMMIT_MATURE                0x00000400u
+#define DIAGNOSED_COMMIT_TRIAL                 0x00000800u
 #define DIAGNOSED_COMMIT_HALF_UM             0.0485289209f  /* 0x3d46c643 */
 #define DIAGNOSED_COMMIT_GAIN_REMAINDER     0.00320476922f  /* 0x3b52071b */
 #define DIAGNOSED_COMMIT_SLOPE_REMAINDER_1  0.00961430743f  /* 0x3c1d8554 */

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-#define SAMPLES 2000u
+#define SAMPLES 6000u
 
 /* Reference at sample k [um]: smooth, from `from` to `to` over SAMPLES, then at rest. */
 static float reference_um(float from, float to, uint32_t k)
@@ -57,15 +57,13 @@ int main(void)
             u_V = appendix_a_inverse(&feedforward, feedforward.y_um, reference_um(from, to, k + 1u));
             /* Learn first: y(k) is what the sample before had to predict. */
             appendix_a_learn(&learner, stage.y_um, u_V);
+            answer = (answer == APPENDIX_A_COMMIT_COMMITTED) ? answer : appendix_a_commit(&observer, &learner);
             error = appendix_a_simulate(&stage, u_V) - reference_um(from, to, k + 1u);
             error = (error < 0.0f) ? -error : error;
             largest = (error > largest) ? error : largest;
         }
         printf("feed-forward: %.6f to %.6f um, largest error %.2g um, status 0x%lx\n", (double)from, (double)to,
             (double)largest, (unsigned long)feedforward.status);
-    }
-    for (uint32_t call = 0u; (call < 100000u) && (answer == APPENDIX_A_COMMIT_BUSY); ++call) {
-        answer = appendix_a_commit(&observer, &learner);
     }
     printf("learning: %lu updates, %s (answer %lu)\n", (unsigned long)learner.updates,
         (answer == APPENDIX_A_COMMIT_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);

@@ -51,10 +51,11 @@ COMMIT: Final = "commit"
 
 @dataclass(frozen=True)
 class Shadows:
-    """Two generations of shadows, theta (2, n, shadows) and age (2, shadows); the second at call `second_from`."""
+    """Two generations of shadows, theta (2, n, shadows) and the words of PLANTED (2, shadows); the second at call
+    `second_from`, with trials of the first that have ended."""
 
     theta: Floats32
-    age: Words
+    words: dict[str, Words]
     second_from: int
     calls: int
 
@@ -92,7 +93,7 @@ def _shadows(committer: Committer, seed: int) -> Shadows:
     """
     rng = np.random.default_rng([seed, *COMMIT.encode()])
     numbers, own = committer.numbers, committer.learner.theta
-    calls_per_check = -(-numbers.points // numbers.settings.points_per_call) + 4
+    calls_per_check = -(-numbers.points // numbers.settings.points_per_call) + 5
     lane = np.arange(SHADOWS)
     change = np.where(lane < SHADOWS - MOST_PARAMETERS, np.array(CHANGES)[lane % len(CHANGES)], 0.0)
     typical = np.maximum(np.abs(own), np.abs(own).mean())
@@ -102,7 +103,10 @@ def _shadows(committer: Committer, seed: int) -> Shadows:
     near = (own + typical * np.array(CHANGES)[lane % 5] * rng.standard_normal(own.shape)).astype(np.float32)
     young = rng.random((2, SHADOWS)) < 0.1
     age = np.where(young, numbers.settings.mature // 2, numbers.settings.mature).astype(np.uint32)
-    return Shadows(np.stack([drawn, near]), age, calls_per_check - 2, 2 * calls_per_check)
+    updates, errors = rng.integers(0, 2, (2, SHADOWS)), rng.integers(0, 3, (2, 2, SHADOWS)).astype(np.float32)
+    ended = dict(zip(("trial_error", "trial_reference_error"), errors.view(np.uint32), strict=True))
+    words = {"age": age, "updates": updates.astype(np.uint32), "trying": np.zeros_like(age), **ended}
+    return Shadows(np.stack([drawn, near]), words, calls_per_check - 3, 2 * calls_per_check)
 
 
 def _reference_trace(committer: Committer, shadows: Shadows) -> tuple[list[str], Words]:
@@ -112,8 +116,16 @@ def _reference_trace(committer: Committer, shadows: Shadows) -> tuple[list[str],
     with np.errstate(all="ignore"):
         for call in range(shadows.calls):
             if call in (0, shadows.second_from):
-                committer.learner.theta = shadows.theta[call // shadows.second_from]
-                committer.learner.age = shadows.age[call // shadows.second_from]
+                learner, generation = committer.learner, call // shadows.second_from
+                planted = {path: words[generation] for path, words in shadows.words.items()}
+                learner.theta, learner.age, learner.trying = (
+                    shadows.theta[generation],
+                    planted["age"],
+                    planted["trying"],
+                )
+                learner.counters["updates"] = planted["updates"]
+                for path in ("trial_error", "trial_reference_error"):
+                    setattr(learner, path, planted[path].view(np.float32))
             answer = committer.commit()
             words = _words(committer)
             paths = list(words)
@@ -122,9 +134,12 @@ def _reference_trace(committer: Committer, shadows: Shadows) -> tuple[list[str],
 
 
 def _words(committer: Committer) -> dict[str, Words]:
-    """By C path: `candidate.` and `reference` of the learner, `active` and `bank` of the instance."""
+    """By C path: `candidate.`, `reference` and the trial of the learner, `active` and `bank` of the instance."""
     named = {f"candidate.{path}": word for path, word in committer.words().items()}
-    named |= {f"reference[{i}]": row.view(np.uint32) for i, row in enumerate(committer.learner.reference)}
+    learner = committer.learner
+    for name, rows in {"reference": learner.reference, "trial": learner.trial}.items():
+        named |= {f"{name}[{i}]": row.view(np.uint32) for i, row in enumerate(rows)}
+    named["trying"] = learner.trying
     named["active"] = committer.active
     for group, rows in committer.banks.items():
         for bank in range(2):
@@ -146,7 +161,8 @@ def _compiled_trace(build: Build, shadows: Shadows, paths: Sequence[str]) -> Wor
                 generation, first = call // shadows.second_from, in_learner["theta[0]"]
                 theta = shadows.theta[generation, :, lane].view(np.uint32)
                 learned[first : first + theta.size] = theta
-                learned[in_learner["age"]] = shadows.age[generation, lane]
+                for path, words in shadows.words.items():
+                    learned[in_learner[path]] = words[generation, lane]
             trace[call, lane, -1] = host.commit(instance, learner, flush=build.flush)
             trace[call, lane, :-1] = np.concatenate([learned, active])[places]
     return trace

@@ -228,9 +228,9 @@ def _learner(model: Model) -> Lanes:
 
 
 def _wear_learner(host: Host, struct: Any) -> None:
-    """Counters and the age of the shadow near saturation."""
+    """Counters and the age of the shadow near saturation, and a trial under way."""
     words, layout = host.words_of(struct), host.layout(f"{host.name}_learner_t")
-    for name in (*LEARNER_COUNTERS, "age"):
+    for name in (*LEARNER_COUNTERS, "age", "trying"):
         words[layout[name]] = NEARLY_FULL
 
 

@@ -25,8 +25,8 @@ from hysgen.model.model import Model
 Words = NDArray[np.uint32]
 
 UPDATES_BETWEEN_COMMITS: Final = 512
-LEAST_UPDATES: Final = 2560
-"""After fewer updates a shadow with usual settings is too young to be committed."""
+LEAST_UPDATES: Final = 4096
+"""After fewer updates a shadow with usual settings is too young to be committed, or still on trial."""
 PREDICTED_AFTER_COMMIT: Final = 16
 SINES: Final = ((0.3, 3001.0), (0.25, 409.0), (0.15, 53.0), (0.1, 17.0))
 """Reference: (share of half the displacement range, period in samples); the fast sines excite the terms' weights."""

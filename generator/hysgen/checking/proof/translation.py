@@ -269,7 +269,7 @@ class _Call:
         committer = with_symbols(self.graph, committer)
         committer.learner = self._restored(before, numeric)
         candidate = [path for path in self.paths[LEARNER] if path.startswith("learner.candidate.")]
-        for name in ("phase", "point", "gain_remainder_um_per_V", "slope_remainder", "theta"):
+        for name in ("phase", "point", "gain_remainder_um_per_V", "slope_remainder"):
             rows = [path for path in candidate if path.split(".")[2].partition("[")[0] == name]
             setattr(committer, name, self._rows(before, rows, getattr(committer, name)))
         for group, numbers in committer.bank.items():

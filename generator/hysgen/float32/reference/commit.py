@@ -21,14 +21,13 @@ class Committer:
     """The candidates of (lanes,) learners, and both banks of the instances.
 
     bank: the candidate's numbers, (rows, lanes) for each group slope, offset, gain, weight. banks: both banks of the
-    instance, (2, rows, lanes) for each group. active: (lanes,) index of the bank in use. phase: (lanes,) 0 to 3.
+    instance, (2, rows, lanes) for each group. active: (lanes,) index of the bank in use. phase: (lanes,) 0 to 4.
     """
 
     def __init__(self, numbers: CommitNumbers, learner: Learner) -> None:
         self.numbers, self.learner = numbers, learner
-        n, lanes = learner.theta.shape
+        lanes = learner.theta.shape[1]
         self.phase, self.point, self.active = (np.zeros(lanes, np.uint32) for _ in range(3))
-        self.theta: Floats32 = np.zeros((n, lanes), np.float32)
         self.gain_remainder_um_per_V: Floats32 = np.zeros(lanes, np.float32)
         self.slope_remainder: Floats32 = np.zeros((2, lanes), np.float32)
         base = {group: np.repeat(getattr(learner.base, group)[:, None], lanes, axis=1) for group in _GROUPS}
@@ -44,7 +43,8 @@ class Committer:
             where = (phase == Phase.CHECK) & (self.phase == Phase.CHECK) & (answer == Commit.BUSY)
             answer = np.where(where, self._answer_at_point(), answer)
             self.point = self.point + where.astype(np.uint32)
-            self.phase = np.where(where & (self.point >= self.numbers.points), np.uint32(Phase.WRITE), self.phase)
+            self.phase = np.where(where & (self.point >= self.numbers.points), np.uint32(Phase.TRIAL), self.phase)
+        answer = self._judge_trial(phase == Phase.TRIAL, answer)
         self.phase = np.where((phase == Phase.CHECK) & (answer != Commit.BUSY), np.uint32(Phase.IDLE), self.phase)
         writing, switching = phase == Phase.WRITE, phase == Phase.SWITCH
         for group, rows in self.bank.items():
@@ -52,7 +52,7 @@ class Committer:
                 idle = writing & (self.active != number)
                 self.banks[group][number] = np.where(idle, rows, self.banks[group][number])
         self.active = np.where(switching, np.uint32(1) - self.active, self.active)
-        self.learner.reference = np.where(switching, self.theta, self.learner.reference)
+        self.learner.reference = np.where(switching, self.learner.trial, self.learner.reference)
         self.phase = np.where(writing, np.uint32(Phase.SWITCH), np.where(switching, np.uint32(Phase.IDLE), self.phase))
         return np.where(switching, np.uint32(Commit.COMMITTED), answer)
 
@@ -79,40 +79,52 @@ class Committer:
             "gain_remainder_um_per_V": bits_of(self.gain_remainder_um_per_V),
         }
         named |= {f"slope_remainder[{i}]": bits_of(row) for i, row in enumerate(self.slope_remainder)}
-        named |= {f"theta[{i}]": bits_of(row) for i, row in enumerate(self.theta)}
         for group, rows in self.bank.items():
             named |= {f"bank.{group}[{i}]": bits_of(row) for i, row in enumerate(rows)}
         return named
 
     def _snapshot(self, where: Mask, answer: Words) -> Words:
-        """Copy theta into the candidate; refuse too few updates and numbers above the limit."""
+        """Copy theta for a trial; refuse too few updates and numbers above the limit."""
         learner, numbers = self.learner, self.numbers
         young = where & (learner.age < numbers.settings.mature)
         where = where & ~young
-        self.theta = np.where(where, learner.theta, self.theta)
+        learner.trial = np.where(where, learner.theta, learner.trial)
         self._fold(where)
-        beyond = where & (bits_of(magnitude(self.theta)) >= bits_of(np.asarray(learner.numbers.limit_um))).any(axis=0)
+        beyond = where & (bits_of(magnitude(learner.trial)) >= bits_of(np.asarray(learner.numbers.limit_um))).any(
+            axis=0
+        )
         answer = np.where(young, np.uint32(Commit.REFUSED_YOUNG), answer)
         answer = np.where(beyond, np.uint32(Commit.REFUSED_LIMIT), answer)
         where = where & ~beyond
         self._bound_remainders(where)
+        learner.begin_trial(where, self.numbers.trial)
         self.point = np.where(where, np.uint32(0), self.point)
         self.phase = np.where(where, np.uint32(Phase.CHECK), self.phase)
         return answer
 
+    def _judge_trial(self, where: Mask, answer: Words) -> Words:
+        """TRYING before the last sample of the trial; then REFUSED_WORSE, or on to WRITE."""
+        learner = self.learner
+        done = learner.trying == 0
+        worse = done & (learner.trial_error > learner.trial_reference_error)
+        following = np.where(worse, np.uint32(Phase.IDLE), np.where(done, np.uint32(Phase.WRITE), self.phase))
+        self.phase = np.where(where, following, self.phase)
+        judged = np.where(worse, np.uint32(Commit.REFUSED_WORSE), np.where(done, answer, np.uint32(Commit.TRYING)))
+        return np.where(where, judged, answer)
+
     def _fold(self, where: Mask) -> None:
-        """Compute the candidate's bank from theta; numbers that are not learned come from the learner's base bank."""
+        """Compute the candidate's bank from the copy; what is not learned comes from the learner's base bank."""
         learner = self.learner
         for group, rows in self.bank.items():
             base = getattr(learner.base, group)[:, None]
             self.bank[group] = np.where(where, base, rows)
         for i, parameter in enumerate(learner.numbers.parameters):
             if parameter.group == "bias":
-                offset = learner.base.offset[:, None] + self.theta[0] * learner.model_numbers.strength[:, None]
+                offset = learner.base.offset[:, None] + learner.trial[0] * learner.model_numbers.strength[:, None]
                 self.bank["offset"] = np.where(where, offset, self.bank["offset"])
                 continue
             rows = self.bank[parameter.group]
-            number = self.theta[i] * learner.numbers.per_scale[i]
+            number = learner.trial[i] * learner.numbers.per_scale[i]
             rows[parameter.index] = np.where(where, number, rows[parameter.index])
 
     def _half_span(self, y: np.float32, u: np.float32, one: np.float32) -> Floats32:

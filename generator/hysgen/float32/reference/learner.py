@@ -213,21 +213,42 @@ class Learner(LearnerState):
 
     def _evaluate_reading(self, where: Mask, y: Floats32) -> tuple[Floats32, Mask]:
         """Innovation e = y - x' theta - fixed_um [um], (lanes,), and the lanes in which an update with e begins."""
-        shadow, other = np.zeros_like(y), np.zeros_like(y)
-        for i in range(self.numbers.size):
-            shadow = shadow + self.x[i] * self.theta[i]
-            other = other + self.x[i] * self.reference[i]
-        e: Floats32 = y - (shadow + self.fixed_um)
-        reference = y - (other + self.fixed_um)
+        predicted = []
+        for theta in (self.theta, self.reference, self.trial):
+            total = np.zeros_like(y)
+            for i in range(self.numbers.size):
+                total = total + self.x[i] * theta[i]
+            predicted.append(total + self.fixed_um)
+        e, reference, tried = (y - prediction for prediction in predicted)
         rested = self.rested != 0
         self.count_event("resting", where & rested)
         where = where & ~rested
+        self._try(where, tried, reference)
         lost = self._restart_needed(where, e, reference, y - self.y_um)
         self.count_event("restarts", lost)
         self.restart(lost)
         begun = where & ~lost
         self._begin(begun, e)
         return e, begun
+
+    def begin_trial(self, where: Mask, samples: int) -> None:
+        """Begin to compare `trial` with the reference parameters; nothing to compare on if nothing was ever learnt."""
+        to_come = np.where(self.counters["updates"] != 0, np.uint32(samples), np.uint32(0))
+        self.trying = np.where(where, to_come, self.trying)
+        for name in ("trial_um", "trial_reference_um", "trial_error", "trial_reference_error"):
+            setattr(self, name, np.where(where, _ZERO, getattr(self, name)))
+
+    def _try(self, where: Mask, tried: Floats32, reference: Floats32) -> None:
+        """Update the errors of a trial: innovations within the limit of the outlier gate, added up as in a free run."""
+        numbers, moved = self.numbers, _TWO * self.moving_um
+        limit = magnitude(numbers.gate_ratio * self.scale_um + (moved + numbers.gate_floor_um))
+        for name, e in (("trial", tried), ("trial_reference", reference)):
+            before, level = getattr(self, f"{name}_um"), getattr(self, f"{name}_error")
+            free_run = numbers.carried * before + limited(e, -limit, limit)[0]
+            step = _SLOW * ((free_run * free_run + numbers.floor_um * numbers.floor_um) - level)
+            setattr(self, f"{name}_um", np.where(where, flushed(free_run), before))
+            setattr(self, f"{name}_error", np.where(where, level + step, level))
+        self.trying = self.trying - (where & (self.trying > 0)).astype(np.uint32)
 
     def _restart_needed(self, where: Mask, e: Floats32, reference: Floats32, step: Floats32) -> Mask:
         """Update the running means; true where the shadow, after its settling time, fails the restart test.

@@ -16,8 +16,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,8 +99,8 @@ class Term(ModelPart):
     auxiliary channels, and for C without constants.
     """
 
-    parts: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
-    """Templates of C that the kind shares with others, `disturbances/<part>.c.j2`, and the constants of each."""
+    parts: ClassVar[tuple[str, ...]] = ()
+    """Templates of C that the kind shares with others, `disturbances/<part>.c.j2`."""
 
     @property
     def size(self) -> int:

@@ -76,7 +76,8 @@ class GainLoss:
 
     before_um, stale_um: free-run rms of the active model on the plant before and just after the change.
     t_s, free_run_um: (n,) time since the change, and free-run rms of the model active at that time.
-    committed, refused: numbers of commits by answer. unsafe: committed models whose certificates fail in float64.
+    committed, refused: numbers of commits by answer, without those on trial. unsafe: committed models whose
+    certificates fail in float64.
     """
 
     what: str
@@ -129,12 +130,14 @@ def lose_gain(what: str, settings: LearnerSettings | None = None) -> GainLoss:
     known, check_old, check_new = _record(old, 1), _record(old, 2), _record(new, 2)
     segment = known.segments[0]
     learner.start(float(segment.y_um[0]), float(segment.u_V[0]))
-    learner.feed(Excitation("before", segment.y_um, segment.u_V, noise_um=0.0), segment.y_um.size)
-    learner.commit()
+    before = Excitation("before", segment.y_um, segment.u_V, noise_um=0.0)
+    commits, samples = round(OBSERVED_S / COMMIT_PERIOD_S), round(COMMIT_PERIOD_S / TS_S)
+    learner.feed(before, segment.y_um.size)
+    while learner.commit() == Commit.TRYING:
+        learner.feed(before, samples)
     before_um, stale_um = (_free_run_rms_um(learner.active(), check) for check in (check_old, check_new))
     measured_um = _record(new, 1).segments[0].y_um
     after = Excitation("after", measured_um if disturb is None else disturb(measured_um), segment.u_V, noise_um=0.0)
-    commits, samples = round(OBSERVED_S / COMMIT_PERIOD_S), round(COMMIT_PERIOD_S / TS_S)
     errors, answers, unsafe = np.empty(commits), [], 0
     for number in range(commits):
         learner.feed(after, samples)
@@ -144,9 +147,9 @@ def lose_gain(what: str, settings: LearnerSettings | None = None) -> GainLoss:
             held = certify(active)
             unsafe += not (held.contraction_holds and held.inverse_holds)
         errors[number] = _free_run_rms_um(active, check_new)
-    committed = sum(answer == Commit.COMMITTED for answer in answers)
+    committed, trying = (answers.count(answer) for answer in (Commit.COMMITTED, Commit.TRYING))
     t_s = COMMIT_PERIOD_S * np.arange(1.0, commits + 1.0)
-    return GainLoss(what, before_um, stale_um, t_s, errors, committed, commits - committed, unsafe)
+    return GainLoss(what, before_um, stale_um, t_s, errors, committed, commits - committed - trying, unsafe)
 
 
 def _datasheet(like: Model) -> Model:

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-#define SAMPLES 2000u
+#define SAMPLES 6000u
 
 /* Reference at sample k [um]: smooth, from `from` to `to` over SAMPLES, then at rest. */
 static float reference_um(float from, float to, uint32_t k)

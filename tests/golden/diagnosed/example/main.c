@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-#define SAMPLES 2000u
+#define SAMPLES 6000u
 
 /* Reference at sample k [um]: smooth, from `from` to `to` over SAMPLES, then at rest. */
 static float reference_um(float from, float to, uint32_t k)
@@ -58,15 +58,13 @@ int main(void)
             u_V = diagnosed_inverse(&feedforward, feedforward.y_um, reference_um(from, to, k + DIAGNOSED_PREVIEW + 1u));
             /* Learn first: y(k) is what the sample before had to predict. */
             diagnosed_learn(&learner, stage.y_um, u_V);
+            answer = (answer == DIAGNOSED_COMMIT_COMMITTED) ? answer : diagnosed_commit(&observer, &learner);
             error = diagnosed_simulate(&stage, u_V) - reference_um(from, to, k + 1u);
             error = (error < 0.0f) ? -error : error;
             largest = (error > largest) ? error : largest;
         }
         printf("feed-forward: %.6f to %.6f um, largest error %.2g um, status 0x%lx\n", (double)from, (double)to,
             (double)largest, (unsigned long)feedforward.status);
-    }
-    for (uint32_t call = 0u; (call < 100000u) && (answer == DIAGNOSED_COMMIT_BUSY); ++call) {
-        answer = diagnosed_commit(&observer, &learner);
     }
     printf("learning: %lu updates, %s (answer %lu)\n", (unsigned long)learner.updates,
         (answer == DIAGNOSED_COMMIT_COMMITTED) ? "committed" : "not committed", (unsigned long)answer);

@@ -256,11 +256,14 @@ def learner_box(model: Model) -> LearnerBox:
     regressor = max(FIRING, 1.01 * float(numbers.refresh.max()))
     error = 2.0 * (y.magnitude + numbers.size * regressor * limit) + instance["y_um"].magnitude
     moved = 2.0 * y.magnitude + 1.0
+    gate = float(numbers.gate_ratio) * (error + 1.0) + 2.0 * moved + float(numbers.gate_floor_um)
+    tried = 1.1 * gate / (1.0 - float(numbers.carried))
     levels = (
         Level("scale_um", 1.01 * error + 1.0, float(numbers.floor_um)),
         Level("moving_um", moved),
         Level("error", 1.01 * error**2),
         Level("reference_error", 1.01 * error**2),
+        *(Level(path, 1.01 * tried**2) for path in ("trial_error", "trial_reference_error")),
         Level("step_error", 1.01 * moved**2),
     )
     floats = {f"x[{j}]": symmetric(regressor).outwards() for j in range(numbers.size)}
@@ -268,6 +271,8 @@ def learner_box(model: Model) -> LearnerBox:
     floats |= {
         "inflate": Interval(1.0, float(max(numbers.inflate, numbers.inflate_first))),
         "innovation_um": symmetric(error).outwards(),
+        "trial_um": symmetric(tried),
+        "trial_reference_um": symmetric(tried),
         "fixed_um": symmetric(instance["y_um"].magnitude),
         "y_um": y,
         "u_V": u,

@@ -126,7 +126,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     name, numbers = model.name, learner_numbers(model, coefficients(model))
     points = commit_numbers(model, coefficients(model), certify(model)).points
     limit, banks = float(numbers.limit_um), bank_box(model)
-    boxes = {f"{path}[{j}]": symmetric(limit) for path in (*PARAMETERS, "candidate.theta") for j in range(numbers.size)}
+    boxes = {f"{path}[{j}]": symmetric(limit) for path in PARAMETERS for j in range(numbers.size)}
     boxes |= {f"candidate.bank.{path}": box for path, box in banks.items()}
     boxes |= {f"base.{path}": box for path, box in banks.items()}
     boxes |= {
@@ -135,8 +135,10 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     boxes |= {"candidate.slope_remainder[1]": symmetric(REMAINDERS)}
     known = [float_word("learner", path, box) for path, box in boxes.items()]
     known += [float_word("self", f"bank[{b}].{path}", box) for b in range(2) for path, box in banks.items()]
-    known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 3)]
-    known += [integer_word("learner", "age")]
+    known += [integer_word("self", "active", 1), integer_word("learner", "candidate.phase", 4)]
+    known += [integer_word("learner", path) for path in ("age", "trying", "updates")]
+    levels = [level for level in learner_box(model).levels if level.path.startswith("trial_")]
+    known += [float_word("learner", level.path, level.box) for level in levels]
     facts = {"name": name, "words": known, "points": points}
     # Checked at the return of commit, where the cases are still separate.
     unfinished = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
@@ -259,6 +261,7 @@ def _joins(model: Model, box: LearnerBox) -> list[Join]:
             Join(f"restart_needed: {path}", levels[path].borders)
             for path in ("moving_um", "error", "reference_error", "step_error")
         ),
+        *(Join(f"try: {path}", levels[path].borders) for path in ("trial_error", "trial_reference_error")),
         Join("restart_needed: return"),
         Join("admit: scale", levels["scale_um"].borders),
         Join("admit: run"),
