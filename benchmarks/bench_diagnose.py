@@ -25,7 +25,7 @@ from hysgen.display import table
 from hysgen.record import Record
 from hysgen_lab.stage import Stage
 from hysgen_lab.stage import run as measure
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 LENGTHS = (6_000, 12_500, 25_000, 50_000, 200_000, 1_000_000)
 TS_S = 1e-3

@@ -22,7 +22,7 @@ from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen_lab.stage.families import thermal
+from hysgen_lab.stage.families import laws
 from hysgen_lab.stage.families.plants import IDENTIFY, plant, records
 
 
@@ -30,10 +30,10 @@ def main() -> None:
     """Print one line for each stage, and the median and the worst ratio."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seeds", default="700:710")
-    parser.add_argument("--hysterons", type=int, default=thermal.HYSTERONS, help="of each stage; more are smoother")
+    parser.add_argument("--hysterons", type=int, default=laws.HYSTERONS, help="of each stage; more are smoother")
     parser.add_argument("--method", default="batch", choices=("batch", "refined"))
     chosen = parser.parse_args()
-    thermal.HYSTERONS = chosen.hysterons
+    laws.HYSTERONS = chosen.hysterons
     first, last = (int(number) for number in chosen.seeds.split(":"))
     rows, ratios = [], []
     for seed in range(first, last):

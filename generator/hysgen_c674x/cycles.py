@@ -20,11 +20,11 @@ from typing import NamedTuple
 from hysgen.errors import TargetError
 from hysgen_c674x import counters
 from hysgen_c674x.assembly import Register
+from hysgen_c674x.counters import KnownPredicates
 from hysgen_c674x.decode import Jump, LoadAddress, Return
 from hysgen_c674x.elf import ProgramImage
 from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet
-from hysgen_c674x.predicates import KnownPredicates
 from hysgen_c674x.processor import STACK_POINTER
 
 MAX_CALL_DEPTH = 16

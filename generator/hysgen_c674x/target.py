@@ -36,8 +36,7 @@ def cost(model: Model, texts: Texts) -> TargetCost:
 
 def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], Mapping[str, str]]:
     """The folder with its kernels, in the syntax of TI's assembler too if `assembler` is "ti"."""
-    from hysgen_c674x.schedule.folder import kernels, with_kernels
-    from hysgen_c674x.schedule.ti import with_ti_assembly
+    from hysgen_c674x.schedule.folder import kernels, with_kernels, with_ti_assembly
 
     made = kernels(name, texts)
     texts = with_kernels(name, texts, made)
@@ -46,8 +45,7 @@ def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], M
 
 def assembler_of(name: str, texts: Texts) -> str | None:
     """The assembler of the kernels of a folder, None without kernels."""
-    from hysgen_c674x.schedule.folder import assembly_file
-    from hysgen_c674x.schedule.ti import ti_file
+    from hysgen_c674x.schedule.folder import assembly_file, ti_file
 
     if assembly_file(name) not in texts:
         return None

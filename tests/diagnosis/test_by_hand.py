@@ -19,7 +19,6 @@ from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.causes.drift import Trend
 from hysgen.diagnosis.evaluation import Study, confidence_text, share_text
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.known_plant import true_extension
 from hysgen.diagnosis.ladder import (
     Gain,
     add_online_parts,
@@ -34,6 +33,7 @@ from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
+from hysgen_lab.studies.bank.truth import true_extension
 
 WHITE = np.random.default_rng(11).normal(size=20_000)
 

@@ -15,7 +15,7 @@ from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 SAMPLES, TS_S = 120_000, 1e-3
 

@@ -25,7 +25,7 @@ from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.diagnosis.causes import VOCABULARY
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.effects import effects
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 assert VOCABULARY.index("slew") < VOCABULARY.index("kick") < VOCABULARY.index("delay")
 assert effects()["kick"].cause() == "kick"

@@ -29,7 +29,7 @@ from hysgen.diagnosis.probe import (
     standard_errors,
 )
 from hysgen.diagnosis.probe.chain import respond
-from hysgen.diagnosis.probe.uncertainty import BLOCKS, block_left_out_error
+from hysgen.diagnosis.probe.solve import BLOCKS, block_left_out_error
 from hysgen.machine.kernels.operators import Branch, LinearPart, linear_response, linear_response_rows
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic

@@ -23,8 +23,7 @@ from hysgen.fitting import FitSettings
 from hysgen.machine.kernels.operators import lag_states
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen_lab.studies.bank.excitation import good
-from hysgen_lab.studies.bank.scenario import scenario
+from hysgen_lab.studies.bank.scenario import good, scenario
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

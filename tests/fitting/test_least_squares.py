@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,16 @@ import pytest
 
 from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.errors import FitError
-from hysgen.fitting import FitSettings, fit
+from hysgen.fitting import FitSettings, PathSize, fit, least_squares
 from hysgen.fitting.identify import partition, structure_for
 from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
 from hysgen.machine.kernels.run import triangularise
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import Structure, regression_rows
+from hysgen.model.simulate import free_run
 from hysgen.record import Record, Segment
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.studies.bank.scenario import good
 
 WITH_HUM = FitSettings(terms=(Periodic((130.0, 310.0)),))
 
@@ -166,3 +170,28 @@ def test_rls_that_lost_its_covariance_is_refused() -> None:
     structure = structure_for(record, FitSettings(input_range_V=(0.0, 60.0)))
     with pytest.raises(FitError, match="lost its covariance; forget less, or fit in batch"):
         recursive_least_squares(record, structure, Weighting(forgetting=0.9))
+
+
+def test_windows_hold_at_most_their_samples_and_reach_both_ends() -> None:
+    found = least_squares.windows(600_000, 1_000_000)
+    assert sum(at.stop - at.start for at in found) <= 0.6 * least_squares.MOST_SAMPLES
+    assert (found[0].start, found[-1].stop) == (0, 600_000)
+    assert all(before.stop <= after.start for before, after in itertools.pairwise(found))
+
+
+def test_a_short_record_is_one_window() -> None:
+    assert least_squares.windows(5000, least_squares.MOST_SAMPLES) == [slice(0, 5000)]
+
+
+@pytest.mark.slow
+def test_a_path_fitted_to_windows_is_as_good_as_one_fitted_to_all_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    u_V = good(np.random.default_rng(2), 60_000, 0.0, 100.0)
+    stage = Stage.nominal().with_effects(creep=(0.02, 0.05, 1e4))
+    record = Record.from_arrays(u_V, run(stage, u_V, 1e-3, seed=2).displacement_um, 1e-3)
+    settings = FitSettings(memory=PathSize(plays=4, hats=4, states=2))
+    levels = []
+    for most in (100_000, 40_000):
+        monkeypatch.setattr(least_squares, "MOST_SAMPLES", most)
+        found = free_run(fit(record, settings), record)[0]
+        levels.append(float(np.sqrt(np.mean((found.y_um - record.segments[0].y_um)[5000:] ** 2))))
+    assert levels[1] < 1.1 * levels[0]

@@ -18,7 +18,7 @@ from hysgen.codegen.manifest import MANIFEST
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest
 from hysgen_c674x import toolchain
-from hysgen_c674x.schedule.ti import ti_text, with_ti_assembly
+from hysgen_c674x.schedule.folder import ti_text, with_ti_assembly
 
 FILE = "appendix_a_c674x"
 

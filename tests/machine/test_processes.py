@@ -24,7 +24,7 @@ from hysgen.machine.threads import THREAD
 from hysgen.record import Record
 from hysgen_lab.stage import Stage
 from hysgen_lab.stage import run as measure
-from hysgen_lab.studies.bank.excitation import good
+from hysgen_lab.studies.bank.scenario import good
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the processes are told apart by a POSIX shell")
 

@@ -9,8 +9,7 @@ import pytest
 from numpy.polynomial import chebyshev, polynomial
 
 from hysgen.model.disturbances import Drive
-from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.disturbances.sine import COSINE, SINE, cosine_sine
+from hysgen.model.disturbances.periodic import COSINE, SINE, Periodic, cosine_sine
 
 TS_S = 2e-5
 CLAIM = 1.9e-7

@@ -25,7 +25,7 @@ from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, 
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.files import data_folder, version
 from hysgen.model import float32_arithmetic as arithmetic
-from hysgen.model.disturbances import Term, channels_of, part_facts
+from hysgen.model.disturbances import Term, channels_of
 from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
@@ -189,18 +189,6 @@ class TermText(StateText):
 
 
 @dataclass(frozen=True)
-class PartText:
-    """C functions that several kinds of term share, and the variables of their template."""
-
-    name: str
-    facts: Mapping[str, Any]
-
-    @property
-    def template(self) -> str:
-        return f"disturbances/{self.name}.c.j2"
-
-
-@dataclass(frozen=True)
 class BlockText(StateText):
     """The data of an input block's template; solves: whether the inverse solves it for its input."""
 
@@ -287,7 +275,7 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "corrected": any(term.corrects for term in terms),
         "two_words": arithmetic.FACTS if any(part.two_words for part in (*model.terms, *model.blocks)) else None,
         "accumulates": any(term.two_words for term in model.terms),
-        "parts": [PartText(part, part_facts(part)) for part in dict.fromkeys(p for t in model.terms for p in t.parts)],
+        "parts": {part: facts for term in model.terms for part, facts in term.parts.items()},
         "channels": channels_of(model.terms),
         "blocks": blocks,
         "responses": responses,

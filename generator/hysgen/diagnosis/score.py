@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, Trace, octaves, projector_off
-from hysgen.diagnosis.probe.uncertainty import block_left_out_error
+from hysgen.diagnosis.probe.solve import block_left_out_error
 from hysgen.model.remaining import LEAST_EVIDENCE
 from hysgen.record.series import SHORTEST_PLATEAU, dispersion, period_of, plateaus, residual_noise, resolution_um
 

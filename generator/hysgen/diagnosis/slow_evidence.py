@@ -3,7 +3,7 @@
     fall = (fall of the score + fall of the whitened score) / 2
 
 The score (`score`) takes the misfit as values that repeat wherever they stand. The whitened score takes it as a process
-along the way of the stage (`probe.uncertainty`), which is constant while the stage rests: creep and drift show below
+along the way of the stage (`probe.solve`), which is constant while the stage rests: creep and drift show below
 the misfit. Each of them alone is wrong where its description does not hold, so the mean of both logarithms of the odds
 counts (logarithmic pool; Genest and Zidek, 1986).
 

@@ -6,14 +6,10 @@ time. It shares no equation and no constant with the models that are fitted to i
 
 from hysgen_lab.stage.description import Stage
 from hysgen_lab.stage.effects import Effect, StageError, effects
-from hysgen_lab.stage.effects.creep import CreepEffect
-from hysgen_lab.stage.effects.delay import DelayEffect
+from hysgen_lab.stage.effects.amplifier import SaturationEffect
+from hysgen_lab.stage.effects.mechanics import CreepEffect, ResonanceEffect, StickSlipEffect
 from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Hysteresis, Preisach, Relays
-from hysgen_lab.stage.effects.noise import NoiseEffect
-from hysgen_lab.stage.effects.periodic import PeriodicEffect
-from hysgen_lab.stage.effects.resonance import ResonanceEffect
-from hysgen_lab.stage.effects.saturation import SaturationEffect
-from hysgen_lab.stage.effects.stick_slip import StickSlipEffect
+from hysgen_lab.stage.effects.readings import DelayEffect, NoiseEffect, PeriodicEffect
 from hysgen_lab.stage.measure import Measurement, effect_shares, run, static_loop, without
 from hysgen_lab.stage.state import StageState, static_path
 

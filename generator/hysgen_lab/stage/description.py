@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from hysgen_lab.stage.effects import Effect, StageError, effects, require
 from hysgen_lab.stage.effects.memory import Hysteresis, Preisach
-from hysgen_lab.stage.effects.noise import NoiseEffect
+from hysgen_lab.stage.effects.readings import NoiseEffect
 
 E = TypeVar("E", bound=Effect)
 

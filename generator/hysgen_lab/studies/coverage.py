@@ -25,7 +25,7 @@ from hysgen.uncertainty.gum import SensorUncertainty
 from hysgen.uncertainty.simulated import Evidence, budget
 from hysgen_lab.stage import Preisach, Stage
 from hysgen_lab.stage.effects.memory import Density
-from hysgen_lab.stage.effects.noise import NoiseEffect
+from hysgen_lab.stage.effects.readings import NoiseEffect
 from hysgen_lab.stage.measure import run
 
 TS_S: Final = 2e-4

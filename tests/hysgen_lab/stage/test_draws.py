@@ -15,9 +15,7 @@ from hysgen_lab.stage.effects.base import Tolerance
 from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Preisach, Relays
 from hysgen_lab.stage.families import FAMILIES
 from hysgen_lab.stage.families.base import around
-from hysgen_lab.stage.families.bouc_wen import RisingBoucWen
-from hysgen_lab.stage.families.jiles_atherton import JilesAtherton
-from hysgen_lab.stage.families.thermal import ThermalHysterons
+from hysgen_lab.stage.families.laws import JilesAtherton, RisingBoucWen, ThermalHysterons
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
 

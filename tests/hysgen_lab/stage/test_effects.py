@@ -19,8 +19,8 @@ from hysgen_lab.stage import (
     StickSlipEffect,
     run,
 )
-from hysgen_lab.stage.effects.bandwidth import BandwidthEffect
-from hysgen_lab.stage.effects.drift import DriftEffect
+from hysgen_lab.stage.effects.amplifier import BandwidthEffect
+from hysgen_lab.stage.effects.readings import DriftEffect
 
 Floats = NDArray[np.float64]
 TS_S = 20e-6

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import dblquad
 
 from hysgen_lab.stage import Stage, StageError, run, static_loop, static_path
-from hysgen_lab.stage.effects.periodic import PeriodicEffect
+from hysgen_lab.stage.effects.readings import PeriodicEffect
 from hysgen_lab.stage.families import (
     FAMILIES,
     SCENARIOS,

@@ -30,7 +30,7 @@ from hysgen_lab.stage import (
 )
 from hysgen_lab.stage.demo_record import demo_csv, demo_measurement, identification_rows
 from hysgen_lab.stage.effects import Action, Effect
-from hysgen_lab.stage.effects.bandwidth import BandwidthEffect
+from hysgen_lab.stage.effects.amplifier import BandwidthEffect
 from hysgen_lab.studies.bank import scenario
 
 Floats = NDArray[np.float64]
@@ -292,9 +292,6 @@ class _Echo(Action):
     def added_um(self, u_V):
         past_V, self.past_V = self.past_V, u_V
         return self.um_per_V * past_V
-
-
-EFFECT = EchoEffect
 """
 
 BANK = """
@@ -338,7 +335,7 @@ def echo(tmp_path_factory: pytest.TempPathFactory) -> type[Effect]:
     (folder / "made_up_echo.py").write_text(ECHO)
     sys.path.insert(0, str(folder))
     try:
-        found: type[Effect] = importlib.import_module("made_up_echo").EFFECT
+        found: type[Effect] = importlib.import_module("made_up_echo").EchoEffect
     finally:
         sys.path.remove(str(folder))
     return found

@@ -16,10 +16,9 @@ import hysgen
 from hysgen.errors import HysgenError
 from hysgen.model.scores import Score
 from hysgen.report.words import price_of
-from hysgen_lab.studies.bank.excitation import good, poor, random_levels
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.result import BankResult, Judgement
-from hysgen_lab.studies.bank.scenario import CATEGORIES, NUMBERS, scenario
+from hysgen_lab.studies.bank.scenario import CATEGORIES, NUMBERS, good, poor, random_levels, scenario
 from hysgen_lab.studies.paper.learning import GainLoss, LearnerAgreement
 from hysgen_lab.studies.paper.modelling import EXPERIMENTS, RepeatedExperiment
 from hysgen_lab.studies.paper.results import PaperResults

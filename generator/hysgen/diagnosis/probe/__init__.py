@@ -9,16 +9,19 @@ from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import (
     Fit,
     Projector,
+    StandardErrors,
     TrainingFit,
+    WhitenedScene,
     linear_fit,
     projector_off,
     refine,
     rms,
     sensitivities,
+    standard_errors,
     training_fit,
+    whitened_fit,
 )
 from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
-from hysgen.diagnosis.probe.uncertainty import StandardErrors, WhitenedScene, standard_errors, whitened_fit
 from hysgen.fitting.operator import Operator
 from hysgen.model.part import Extent, Mode, Part, RunSignals, ShapeParameter, octaves
 

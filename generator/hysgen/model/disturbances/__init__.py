@@ -23,7 +23,6 @@ __all__ = [
     "box_of",
     "channels_of",
     "kinds",
-    "part_facts",
     "term_from_json",
 ]
 
@@ -40,12 +39,6 @@ def kinds() -> Mapping[str, type[Term]]:
         if term is not None:
             found[term.kind] = term
     return found
-
-
-def part_facts(part: str) -> Mapping[str, Any]:
-    """Constants of the template `disturbances/<part>.c.j2`: FACTS of the module `part`, which contains the mirror."""
-    facts: Mapping[str, Any] = importlib.import_module(f"{__name__}.{part}").FACTS
-    return facts
 
 
 def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:

@@ -16,7 +16,8 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from types import MappingProxyType
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,8 +100,8 @@ class Term(ModelPart):
     auxiliary channels, and for C without constants.
     """
 
-    parts: ClassVar[tuple[str, ...]] = ()
-    """Templates of C that the kind shares with others, `disturbances/<part>.c.j2`."""
+    parts: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
+    """Templates of C that the kind shares with others, `disturbances/<part>.c.j2`, and the constants of each."""
 
     @property
     def size(self) -> int:

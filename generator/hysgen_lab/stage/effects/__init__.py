@@ -1,7 +1,7 @@
-"""Effects of the virtual stage: one file each, found by looking into this package.
+"""Effects of the virtual stage, found by looking into this package.
 
-A new effect is one new file `effects/<name>.py`: a frozen dataclass that derives from `Effect`, and a last line that
-names it EFFECT. No other file of the stage or the bank changes; docs/extend.md adds one step by step.
+A new effect is a frozen dataclass that derives from `Effect`, in a file of its own or beside others. No other file of
+the stage or the bank changes; docs/extend.md adds one step by step.
 
 `Action` acts in Python on the command or on the displacement; `constants` instead sets members of the compiled plant
 (plant.h). The other members of `Effect` have defaults, described there. A category that is new in the bank changes what
@@ -47,9 +47,7 @@ __all__ = [
 @functools.lru_cache(maxsize=1)
 def effects() -> Mapping[str, type[Effect]]:
     """Class of every effect by its name, in the order of their ranks."""
-    classes: list[type[Effect]] = []
     for module in pkgutil.iter_modules(__path__):
-        kind = getattr(importlib.import_module(f"{__name__}.{module.name}"), "EFFECT", None)
-        if kind is not None:
-            classes.append(kind)
+        importlib.import_module(f"{__name__}.{module.name}")
+    classes = [kind for kind in Effect.__subclasses__() if kind.__module__.startswith(f"{__name__}.")]
     return MappingProxyType({kind.name: kind for kind in sorted(classes, key=lambda kind: (kind.rank, kind.name))})

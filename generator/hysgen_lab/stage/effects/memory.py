@@ -261,6 +261,3 @@ def draw_hysteresis(rng: np.random.Generator, stroke_um: float, kind: float) -> 
     if kind < 0.75:
         return Relays(density, share, count=400)
     return BoucWen(float(rng.uniform(0.04, 0.09)) * stroke_um, float(rng.uniform(10, 23)), float(rng.uniform(0.5, 0.8)))
-
-
-EFFECT = Hysteresis

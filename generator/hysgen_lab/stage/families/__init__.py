@@ -10,12 +10,8 @@ The rest of a stage is the compiled plant of `hysgen_lab.stage`: exact in contin
 """
 
 from hysgen_lab.stage.families.base import Family
-from hysgen_lab.stage.families.bouc_wen import RisingBoucWen
-from hysgen_lab.stage.families.jiles_atherton import JilesAtherton
+from hysgen_lab.stage.families.laws import JilesAtherton, MeshPreisach, RandomRelays, RisingBoucWen, ThermalHysterons
 from hysgen_lab.stage.families.plants import FAMILIES, SCENARIOS, Plant, plant, records
-from hysgen_lab.stage.families.preisach_mesh import MeshPreisach
-from hysgen_lab.stage.families.random_relays import RandomRelays
-from hysgen_lab.stage.families.thermal import ThermalHysterons
 
 __all__ = [
     "FAMILIES",

@@ -32,16 +32,23 @@ from hysgen_lab.stage import (
     run,
 )
 from hysgen_lab.stage.effects import UNKNOWN, Effect, Setting
-from hysgen_lab.stage.effects.chirp import ChirpEffect
-from hysgen_lab.stage.effects.gain_step import GainStepEffect
-from hysgen_lab.stage.effects.jumps import JumpsEffect
+from hysgen_lab.stage.effects.amplifier import GainStepEffect
+from hysgen_lab.stage.effects.mechanics import StickSlipEffect
 from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve
-from hysgen_lab.stage.effects.stick_slip import StickSlipEffect
+from hysgen_lab.stage.effects.readings import ChirpEffect, JumpsEffect
 from hysgen_lab.stage.families import FAMILIES, ThermalHysterons
 from hysgen_lab.stage.families.base import draw
-from hysgen_lab.stage.families.commands import command
-from hysgen_lab.studies.bank.excitation import POOR, poor, random_levels
-from hysgen_lab.studies.bank.scenario import ACCEPTED, DRAWN, NUMBERS, Scenario, hidden_causes
+from hysgen_lab.stage.families.plants import command
+from hysgen_lab.studies.bank.scenario import (
+    ACCEPTED,
+    DRAWN,
+    NUMBERS,
+    POOR,
+    Scenario,
+    hidden_causes,
+    poor,
+    random_levels,
+)
 
 Floats = NDArray[np.float64]
 

@@ -21,9 +21,8 @@ from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 from hysgen.model.regression import rule_regressors
 from hysgen_lab.stage import Stage
-from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
+from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner, Recovery, bench_model
 from hysgen_lab.studies.endurance.excitations import Excitation, excitations
-from hysgen_lab.studies.endurance.recovery import Recovery, bench_model
 from hysgen_lab.studies.endurance.results import (
     ALLOWED_RATIO,
     CASES,
