@@ -33,7 +33,7 @@ e1915f5cb1eca46c f325965ca16d629f 575ff28e60381be5 724506eb4c328a95
 
 @functools.cache
 def library() -> Library:
-    sources = [(name, text) for name, text in read_sources(CONTROLLER) if name.startswith("siphash")]
+    sources = [(name, text) for name, text in read_sources(CONTROLLER) if name.startswith(("siphash", "linkage"))]
     return build(sources, "void hysgen_siphash(const uint32_t *, const uint8_t *, uint32_t, uint32_t *);", libraries=())
 
 
@@ -48,7 +48,7 @@ def compiled(key: bytes, message: bytes) -> int:
 def target() -> Machine:
     """The same on the simulated C674x."""
     need_compiler()
-    sources = [(name, text) for name, text in read_sources(CONTROLLER) if name.startswith("siphash")]
+    sources = [(name, text) for name, text in read_sources(CONTROLLER) if name.startswith(("siphash", "linkage"))]
     return c674x.compile(sources).machine()
 
 
