@@ -1,7 +1,9 @@
-/* bank.h: copying a model's parameters. Number by number: for a struct assignment compilers may call a library. */
+/* bank.h: copying and checking a model's parameters. Number by number: for a struct assignment compilers may call a library. */
 
 #ifndef BANK_H
 #define BANK_H
+
+#include <stdint.h>
 
 #include "linkage.h"
 #include "model.h"
@@ -21,6 +23,9 @@ static inline void bank_copy(model_bank_t *to, const model_bank_t *from)
     }
 #endif
 }
+
+/* Check word of the parameters, in the order of an image. */
+uint32_t hysgen_bank_check(const model_bank_t *bank);
 
 LINKAGE_END
 

@@ -1,7 +1,7 @@
 /* board.h: what the firmware asks of a board. One folder of firmware/board/ per board implements it.
  *
  * board_t is the board's own struct, defined in its board_type.h; main owns the only instance.
- * Called in the 50 kHz interrupt: the first ten. Called at boot: the eleventh. Called in the idle loop: the others. */
+ * Called in the 50 kHz interrupt: the first ten. Called at boot: the eleventh and the next three. Called in the idle loop: the others. */
 
 #ifndef BOARD_H
 #define BOARD_H
@@ -21,6 +21,14 @@ LINKAGE_BEGIN
  * BOARD_RECORD, a power of two, and BOARD_PERIOD_CYCLES, cycles of the processor from one interrupt to the next. */
 #define BOARD_SLOTS       2u
 #define BOARD_SLOT_BYTES  4096u
+
+#define BOARD_STACK_FILL  0x5AFE57ACu
+
+/* Words in a row; a count of 0: the board does not know them. */
+typedef struct {
+    const volatile uint32_t *words;
+    uint32_t count;
+} board_span_t;
 
 /* Displacement y(k) [um]: the sample that the A/D took at this interrupt. */
 float hysgen_board_displacement_um(board_t *board);
@@ -59,6 +67,12 @@ uint32_t hysgen_board_power_on(board_t *board);
 
 /* Memory for BOARD_RECORD words of 16 bits, see play.h; its content at power on does not matter. */
 volatile uint16_t *hysgen_board_record(board_t *board);
+
+/* Code and constants, which nothing changes behind start-up. */
+board_span_t hysgen_board_code(board_t *board);
+
+/* The stack from its far end, which is used last, as far as start-up has filled it with BOARD_STACK_FILL. */
+board_span_t hysgen_board_stack(board_t *board);
 
 /* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
 uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room);

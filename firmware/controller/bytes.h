@@ -22,6 +22,14 @@ static inline void bytes_put(uint8_t *at, uint32_t word)
     at[3] = (uint8_t)((word >> 24) & 0xFFu);
 }
 
+/* A check word with one more word in it. Whatever single word of a list changes, its check word does. */
+static inline uint32_t bytes_check(uint32_t check, uint32_t word)
+{
+    const uint32_t sum = check + word;
+
+    return (sum << 5) - sum;  /* times 31, which is odd */
+}
+
 LINKAGE_END
 
 #endif

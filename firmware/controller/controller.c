@@ -38,6 +38,7 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     self->clears = 0u;
     self->committing = 0u;
     self->installing = 0u;
+    self->damaged = 0u;
     self->plays = 0u;
     self->learns = 0u;
     self->start_um = MODEL_Y_MIN_UM;
@@ -74,9 +75,10 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     model_learn_init(&self->learner, &self->model);
     bank_copy(&self->bank, &self->model.bank[self->model.active]);
+    self->bank_check = hysgen_bank_check(&self->model.bank[self->model.active]);
 }
 
-uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank)
+uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank, uint32_t check)
 {
     const controller_state_t state = self->state;
 
@@ -84,11 +86,13 @@ uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank)
         return 0u;
     }
     bank_copy(&self->bank, bank);
+    self->bank_check = check;
     return 1u;
 }
 
 /* The model starts where the stage is, under the voltage that it has, with the parameters to begin with. Its inverse keeps to the
- * limits of the output, so that model and stage get the same voltage. */
+ * limits of the output, so that model and stage get the same voltage. Parameters that are not those which were meant, because a wild
+ * access or a glitch came between, drive nothing. [S9] */
 static void controller_begin(controller_t *self)
 {
     model_init(&self->model, self->watchdog.reading_um, self->output_V);
@@ -97,6 +101,9 @@ static void controller_begin(controller_t *self)
     bank_copy(&self->model.bank[1], &self->bank);
     model_init(&self->witness, self->watchdog.reading_um, self->output_V);
     bank_copy(&self->witness.bank[self->witness.active], &self->bank);
+    if (hysgen_bank_check(&self->model.bank[self->model.active]) != self->bank_check) {
+        self->status |= STATUS_FAULT_MEMORY;
+    }
     hysgen_trim_init(&self->trim);
     self->upward = 1u;
     self->begun = 1u;
@@ -372,6 +379,7 @@ static float controller_voltage(controller_t *self, float reference_um)
         if (u_V == settings->off_V) {
             if (((settings->options & SETTINGS_KEEP) != 0u) && (self->begun != 0u)) {
                 bank_copy(&self->bank, &self->model.bank[self->model.active]);
+                self->bank_check = hysgen_bank_check(&self->model.bank[self->model.active]);
             }
             self->state = CONTROLLER_OFF;
         }
@@ -454,7 +462,7 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     if (self->request != CONTROLLER_NO_REQUEST) {
         controller_take_request(self);
     }
-    self->status |= hysgen_watchdog_reading(&self->watchdog, settings, y_um, self->output_V);
+    self->status |= hysgen_watchdog_reading(&self->watchdog, settings, y_um, self->output_V) | self->damaged;
     controller_watch_amplifier(self, amplifier);
     controller_trip(self);
     state_V = controller_voltage(self, reference_um);

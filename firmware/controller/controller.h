@@ -55,7 +55,7 @@ typedef enum {
 
 typedef struct {
     const settings_t *settings;
-    /* Shared by interrupt and idle loop. Idle writes `request`, `committing` and `installing` only. */
+    /* Shared by interrupt and idle loop. Idle writes `request`, `committing`, `installing` and `damaged` only. */
     volatile controller_state_t state;
     volatile uint32_t status;       /* STATUS_ bits, sticky until CLEAR */
     volatile uint32_t first;        /* STATUS_FAULT_ bits of the first sample that had any, until CLEAR at rest */
@@ -63,6 +63,7 @@ typedef struct {
     volatile uint32_t clears;       /* CLEARs that were taken; wraps */
     volatile uint32_t request;
     volatile uint32_t committing;   /* the idle loop is inside the model's commit */
+    volatile uint32_t damaged;      /* STATUS_FAULT_MEMORY: code, constants or stack are not what they were, until the next boot */
     volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
 
     play_t play;             /* the idle loop writes all but `done`, and only at rest */
@@ -93,7 +94,8 @@ typedef struct {
     model_t model;
     model_t witness;         /* with learning: the model as it was at START, under the voltage that is put out */
     model_learner_t learner;
-    model_bank_t bank;       /* parameters that every start begins with */
+    model_bank_t bank;       /* parameters that every start begins with, */
+    uint32_t bank_check;     /* and their check word, which START compares with the parameters that it takes */
 } controller_t;
 
 /* Off at rest_V, with the parameters that the firmware was built with. */
@@ -118,9 +120,9 @@ void hysgen_controller_learn(controller_t *self);
  * none. Lost interrupts count as late ones. */
 void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overrun, uint32_t since);
 
-/* Parameters for the next start; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
+/* Parameters for the next start, and the check word of those that were meant; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
  * start begins inside it. */
-uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank);
+uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank, uint32_t check);
 
 LINKAGE_END
 

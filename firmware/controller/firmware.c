@@ -61,6 +61,10 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     if (hysgen_store_load(&self->store, board, owner, &self->bench, &self->controller.bank) != 0u) {
         self->image_status = STATUS_IMAGE_FALLBACK;
     }
+    hysgen_integrity_init(&self->integrity, board);
+    if (self->store.slot != STORE_NONE) {
+        self->controller.bank_check = hysgen_image_numbers(self->store.bytes);
+    }
 }
 
 void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
@@ -122,6 +126,7 @@ static void firmware_answer_status(firmware_t *self)
     hysgen_link_add(link, self->cycles_last);
     hysgen_link_add(link, self->cycles_most);
     hysgen_link_add(link, self->selftest);
+    hysgen_link_add(link, 4u * self->integrity.unused);
 }
 
 static void firmware_answer_identity(firmware_t *self)
@@ -393,7 +398,7 @@ static void firmware_take_image(firmware_t *self, board_t *board)
     if (self->image_answer != IMAGE_GOOD) {
         self->image_status |= STATUS_IMAGE_REFUSED;
     } else {
-        (void)hysgen_controller_install(&self->controller, &bank);
+        (void)hysgen_controller_install(&self->controller, &bank, hysgen_image_numbers(self->store.bytes));
     }
 }
 
@@ -458,5 +463,8 @@ void hysgen_firmware_idle(firmware_t *self, board_t *board)
     if (self->ticked != samples) {
         self->ticked = samples;
         firmware_commit(self);
+        if (hysgen_integrity_step(&self->integrity) != 0u) {
+            self->controller.damaged = STATUS_FAULT_MEMORY;
+        }
     }
 }

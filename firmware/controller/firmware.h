@@ -7,6 +7,7 @@
 
 #include "board.h"
 #include "controller.h"
+#include "integrity.h"
 #include "link.h"
 #include "linkage.h"
 #include "store.h"
@@ -18,6 +19,7 @@ typedef struct {
     store_t store;
     image_bench_t bench;
     link_t link;
+    integrity_t integrity;
     volatile float asked_um;         /* reference from the link [um], */
     uint32_t lease;              /* samples without a frame until STOP, 0: none; */
     uint32_t heard;              /* sample of the last frame */

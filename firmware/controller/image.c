@@ -32,6 +32,16 @@ static uint32_t image_plausible(float x)
     return (uint32_t)(size == 0u) | ((uint32_t)(size >= 0x00800000u) & (uint32_t)(size <= number_bits(IMAGE_LARGEST)));
 }
 
+uint32_t hysgen_image_numbers(const uint8_t *bytes)
+{
+    uint32_t check = 1u;
+
+    for (uint32_t i = 0u; i < IMAGE_NUMBERS; ++i) {
+        check = bytes_check(check, hysgen_image_word(bytes, IMAGE_HEADER + i));
+    }
+    return check;
+}
+
 uint32_t hysgen_image_keyed(const image_owner_t *owner)
 {
     return (uint32_t)((owner->key[0] | owner->key[1] | owner->key[2] | owner->key[3]) != 0u);

@@ -79,6 +79,9 @@ uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_ow
 /* The certificates of an image that hysgen_image_check found good. If they hold, its numbers are in *bank. */
 uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
 
+/* Check word of the image's numbers: hysgen_bank_check of the parameters that they become. */
+uint32_t hysgen_image_numbers(const uint8_t *bytes);
+
 /* Word i of the image. */
 uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i);
 

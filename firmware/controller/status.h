@@ -33,7 +33,8 @@
 #define STATUS_FAULT_TIMEOUT        0x02000000u  /* a state took longer than state_samples */
 #define STATUS_FAULT_RESET          0x04000000u  /* the processor started again without a loss of power: watchdog, or reset pin */
 #define STATUS_FAULT_EXCEPTION      0x08000000u  /* an exception or NMI stopped the firmware before that */
-#define STATUS_FAULTS               0x0FFF0000u
+#define STATUS_FAULT_MEMORY         0x10000000u  /* code, constants, the end of the stack or the parameters of START are not what they were */
+#define STATUS_FAULTS               0x1FFF0000u
 #define STATUS_LASTING              (STATUS_FAULT_SELFTEST | STATUS_FAULT_SETTINGS)  /* CLEAR does not clear these */
 
 #endif

@@ -1,23 +1,20 @@
 """The boards compiled by the host's compiler: what the C6748's main says and is set to, start-up after a boot loader
-that has used every device, and the simulator's board against the host's."""
+that has used every device, and headers in C++."""
 
 from __future__ import annotations
 
 import functools
 import re
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from fixtures.board_drivers import Chip
-from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
+from fixtures.firmware_bench import model
 from fixtures.tools import need
 from hysgen.codegen import write
-from hysgen.codegen.manifest import c_files
 from hysgen.firmware.binding import (
     CONTROLLER,
     EMPTY_STORE,
@@ -28,8 +25,6 @@ from hysgen.firmware.binding import (
     firmware_model,
     read_sources,
 )
-from hysgen.firmware.host import HostFirmware, Request, Settings, State
-from hysgen.firmware.wire import Command, command, frame
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 
 PLL, UART, SPI1, TIMER0, TIMER1 = 0x01C11000, 0x01D0D000, 0x01F0E000, 0x01C20000, 0x01C21000
@@ -213,97 +208,13 @@ def test_a_panic_is_handed_on_once_and_a_line_that_hangs_does_not_stop_the_start
     assert library.lib.idle == 5
 
 
-def test_the_boards_settings_are_those_of_the_virtual_stage() -> None:
-    library = main_alone()
-    library.lib.start_answer, library.lib.busy = 0, 0
-    said(library)
-    assert as_settings(library.lib.settings) == settings_words(Settings())
-
-
-def settings_words(settings: Settings) -> dict[str, float]:
-    options = settings.trim + 2 * settings.learn + 4 * settings.keep + 8 * settings.no_offset
-    named = {name: value for name, value in vars(settings).items() if not isinstance(value, bool)}
-    return {"options": options} | {name: float(np.float32(value)) for name, value in named.items()}
-
-
-def as_settings(settings: Any) -> dict[str, float]:
-    return {name: getattr(settings, name) for name in settings_words(Settings())}
-
-
-SHORT_WAYS = Settings(
-    trim=True, learn=True, step_V=2.0, ramp_V=0.5, loop_low_V=24.0, loop_high_V=54.0, hold_samples=64,
-    reference_step_um=0.05, follow_um=3.0, commit_pause=1, power_samples=16,
-)  # fmt: skip
-
-
-@functools.cache
-def simulator_board() -> Library:
-    """Controller, model and the simulator's board."""
-    board = dict(read_sources(SIMULATOR_BOARD))
-    shown = "const settings_t *shown(void);\nconst settings_t *shown(void) { return &simulated_settings; }\n"
-    shown += "uint32_t amplifier(void);\nuint32_t amplifier(void) { return simulated_board.enabled; }\n"
-    sources = [*read_sources(CONTROLLER), *read_sources(*EMPTY_STORE), *c_files(generated()).items()]
+def test_the_empty_store_reads_as_erased_and_keeps_nothing() -> None:
+    headers = [*read_sources(CONTROLLER, "board.h", "linkage.h"), *read_sources(SIMULATOR_BOARD, "board_type.h")]
     declared = """
-    const settings_t *shown(void);
-    uint32_t amplifier(void);
-    void hysgen_simulated_options(uint32_t);
-    uint32_t hysgen_simulated_boot(void);
-    float hysgen_simulated_interrupt(float, float);
-    uint32_t hysgen_simulated_idle(void);
-    uint32_t hysgen_simulated_state(void);
-    uint32_t hysgen_simulated_sent(void);
-    void hysgen_simulated_send(uint32_t);
     void hysgen_board_store_read(void *, uint32_t, uint32_t, uint8_t *, uint32_t);
     uint32_t hysgen_board_store_write(void *, uint32_t, uint32_t, const uint8_t *, uint32_t);
     """
-    flags = ("-O1",)
-    texts = [*sources, ("board_type.h", board["board_type.h"]), ("board.c", board["board.c"] + shown)]
-    return build(texts, SETTINGS[0] + declared, Toolchain(default_toolchain().command, flags))  # type: ignore[index]
-
-
-def test_the_simulators_board_gives_the_bits_of_the_hosts() -> None:
-    """The same firmware with the same settings on both boards: voltages, states, commits and status words."""
-    lib = simulator_board().lib
-    lib.hysgen_simulated_options(3)
-    assert as_settings(lib.shown()) == settings_words(SHORT_WAYS)
-    host = HostFirmware(
-        image(), ModelStage(replace(model(), consequents=model().consequents * [1.0, 0.97, 1.0])), SHORT_WAYS
-    )
-    host.request(Request.START)
-    assert lib.hysgen_simulated_boot() == 0
-    wanted = (REFERENCE_UM + 0.6 * np.sin(2e-3 * np.arange(2400))).astype(np.float32)
-    states = set()
-    for reference in wanted:
-        log = host.run(np.array([reference]))
-        u_V = lib.hysgen_simulated_interrupt(float(log.reading_um[0]), float(reference))
-        assert np.float32(u_V) == log.output_V[0]
-        assert lib.hysgen_simulated_idle() == host.status
-        state = lib.hysgen_simulated_state()
-        assert (state & 0xFF, state >> 8) == (host.state, host.firmware.commits)
-        states.add(host.state)
-    assert states == {State.POWER, State.RISE, State.LOOP, State.HOLD, State.APPROACH, State.TRACK}
-    assert (lib.amplifier(), host.board.enabled, host.firmware.commits > 0) == (1, 1, True)
-
-
-def test_the_simulators_line_hands_on_every_byte_in_order_as_often_as_it_is_asked() -> None:
-    lib = simulator_board().lib
-    lib.hysgen_simulated_options(0)
-    lib.hysgen_simulated_boot()
-    host = HostFirmware(image(), ModelStage(model()), SHORT_WAYS)
-    assert lib.hysgen_simulated_sent() == 256, "nothing is sent without a question"
-    question = frame(command(Command.IDENTIFY))
-    expected = host.line(question)
-    assert len(expected) > 5
-    for _ in range(100):  # several times round both rings
-        for byte in question:
-            lib.hysgen_simulated_send(byte)
-        for _ in range(6):
-            lib.hysgen_simulated_idle()
-        assert bytes(iter(lib.hysgen_simulated_sent, 256)) == expected
-
-
-def test_the_empty_store_reads_as_erased_and_keeps_nothing() -> None:
-    library = simulator_board()
+    library = build([*headers, *read_sources(*EMPTY_STORE)], declared)
     data = library.ffi.new("uint8_t []", b"\x01\x02\x03\x04\x05")
     assert library.lib.hysgen_board_store_write(library.ffi.NULL, 1, 0, data, 5) == 0
     library.lib.hysgen_board_store_read(library.ffi.NULL, 1, 0, data, 4)

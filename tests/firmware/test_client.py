@@ -22,7 +22,7 @@ from hysgen.firmware.wire import ANSWER, CHUNK, CODES, Command, Identity, LinkSt
 from hysgen.float32.coefficients import Bank
 from hysgen.model.file import dump_model
 
-WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7)
+WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7, 6000)
 
 
 def status(**fields: int) -> bytes:
@@ -30,7 +30,7 @@ def status(**fields: int) -> bytes:
     words = list(WORDS)
     for name, value in fields.items():
         words[names.index(name)] = value
-    return struct.pack("<19I", *words)
+    return struct.pack("<20I", *words)
 
 
 class Scripted:
@@ -119,17 +119,17 @@ def test_answers_to_another_command_and_noise_are_passed_over() -> None:
 
 
 def test_the_identity_of_another_version_is_refused() -> None:
-    for protocol in (3, 2):
+    for protocol in (4, 3):
         own = (20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, -20.0, 120.0, -3.0, 13.0, 4096)
-        words = struct.pack("<6IQI5I8fI", protocol, 1, 2, 3, 4, 5, 6, 1, *own)[: None if protocol == 3 else 80]
+        words = struct.pack("<6IQI5I8fI", protocol, 1, 2, 3, 4, 5, 6, 1, *own)[: None if protocol == 4 else 80]
         asking, _ = client(lambda *_, words=words: b"\0" + words + b"stage")
-        if protocol == 3:
+        if protocol == 4:
             found = asking.identity()
-            expected = Identity(3, (1, 2, 3, 4), 5, 6, True, *own, "stage")
+            expected = Identity(4, (1, 2, 3, 4), 5, 6, True, *own, "stage")
             assert found == expected
             assert vars(found) == vars(expected)
         else:
-            with pytest.raises(HysgenError, match="version 2 of the link, this hysgen 3"):
+            with pytest.raises(HysgenError, match="version 3 of the link, this hysgen 4"):
                 asking.identity()
 
 

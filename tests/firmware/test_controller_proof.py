@@ -27,6 +27,7 @@ ENTRY = f"""
 #include <stddef.h>
 #include "model_stubs.c"
 #include "board.h"
+#include "bank.c"
 #include "controller.c"
 #include "play.c"
 #include "settings.c"
@@ -92,6 +93,7 @@ LINE_ENTRY = """#include <stddef.h>
 #include "controller_stubs.c"
 #include "frame_stubs.c"
 #include "firmware.c"
+#include "integrity.c"
 #include "link.c"
 
 settings_t settings;

@@ -14,7 +14,7 @@ import pytest
 from fixtures.firmware_bench import KEY, ModelStage, booted, compiled, image, model, sine, tracking
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
-from hysgen.firmware.host import SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
+from hysgen.firmware.host import FAULTS, SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
 from hysgen.firmware.image import ANSWERS, NO_KEY, Label, Owner, decode, encode, siphash
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
@@ -303,6 +303,22 @@ def test_an_attackers_image_is_refused_and_changes_nothing(attack: str) -> None:
     assert firmware.send(encode(SOFT, KEY, Label(OWNER.device, 0, 5))) == 16, "the counter survives power off"
     assert firmware.send(encode(SOFT, KEY, Label(OWNER.device, 0, 6))) == 0
     assert firmware.bank() != bank
+
+
+@pytest.mark.parametrize("row", ["slope", "offset", "gain"])
+def test_start_drives_with_no_parameters_but_those_that_were_meant(row: str) -> None:
+    """A skipped instruction of the idle loop made a pointer wild, which moved the bank by a word: START took it."""
+    firmware = booted()
+    words = getattr(firmware.firmware.controller.bank, row)
+    words[3] = np.nextafter(np.float32(words[3]), np.float32(9.0))
+    for _ in range(2):
+        firmware.start(2.0)
+        assert (firmware.state, firmware.status & FAULTS) == (State.TRIPPED, FirmwareStatus.FAULT_MEMORY)
+        firmware.request(Request.CLEAR)
+        firmware.run(np.full(2, 2.0))
+    assert firmware.send(encode(changed(STIFFER), KEY)) == 0
+    firmware.start(2.0)
+    assert firmware.state is State.TRACK
 
 
 def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:

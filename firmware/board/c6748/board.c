@@ -202,6 +202,27 @@ volatile uint16_t *hysgen_board_record(board_t *board)
     return hysgen_start_shared;
 }
 
+/* Of c6748.ld: vectors, code and constants; the stack. */
+extern const volatile uint32_t hysgen_start_code[];
+extern const volatile uint32_t hysgen_start_code_end[];
+extern const volatile uint32_t hysgen_start_stack[];
+
+board_span_t hysgen_board_code(board_t *board)
+{
+    const board_span_t code = { hysgen_start_code, (uint32_t)((uintptr_t)hysgen_start_code_end - (uintptr_t)hysgen_start_code) >> 2 };
+
+    (void)board;
+    return code;
+}
+
+board_span_t hysgen_board_stack(board_t *board)
+{
+    const board_span_t stack = { hysgen_start_stack, BOARD_STACK };
+
+    (void)board;
+    return stack;
+}
+
 void hysgen_board_alive(board_t *board)
 {
     (void)board;

@@ -49,6 +49,8 @@ LINKAGE_BEGIN
 #define BOARD_PERIOD_NS        20000u       /* the same; must be the model's sampling period */
 #define BOARD_PERIOD_CYCLES    (BOARD_PERIOD * CHIP_MULTIPLIER)
 
+#define BOARD_STACK            1792u        /* words of the stack that start-up fills, of 2048: the last KiB is in use then */
+
 #define BOARD_LINE             256u         /* bytes between interrupt and idle loop each way, a power of two */
 #define BOARD_REFERENCES       1024u        /* length of the periodic reference, a power of two */
 

@@ -48,9 +48,10 @@ static const image_owner_t main_owner = { { 0u, 0u, 0u, 0u }, { 0u, 0u } };
 #else
 #define MAIN_INTERRUPT
 
-/* Where start.s goes with a stack: variables without initial values become 0, then main. */
+/* Where start.s goes with a stack: variables without initial values become 0, the stack is filled, then main. */
 extern uint32_t hysgen_start_bss[];
 extern uint32_t hysgen_start_bss_end[];
+extern uint32_t hysgen_start_stack[];
 int main(void);
 void hysgen_start(void);
 
@@ -61,6 +62,9 @@ void hysgen_start(void)
     while (word != hysgen_start_bss_end) {
         *word = 0u;
         ++word;
+    }
+    for (uint32_t i = 0u; i < BOARD_STACK; ++i) {
+        hysgen_start_stack[i] = BOARD_STACK_FILL;
     }
     (void)main();
 }

@@ -111,6 +111,20 @@ volatile uint16_t *hysgen_board_record(board_t *board)
     return board->record;
 }
 
+board_span_t hysgen_board_code(board_t *board)
+{
+    const board_span_t code = { board->code, board->watched };
+
+    return code;
+}
+
+board_span_t hysgen_board_stack(board_t *board)
+{
+    const board_span_t stack = { board->stack, board->watched };
+
+    return stack;
+}
+
 void hysgen_board_alive(board_t *board)
 {
     board->alive += 1u;

@@ -57,6 +57,9 @@ typedef struct board {
     uint32_t restarted;         /* the next boot is no power on */
     uint32_t kept[2];
     uint16_t record[BOARD_RECORD];
+    uint32_t code[64];          /* in place of the image: what a test may change, */
+    uint32_t stack[64];         /* and the stack; looked at from the first */
+    uint32_t watched;           /* `watched` words on */
     uint32_t alive;             /* calls of hysgen_board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */

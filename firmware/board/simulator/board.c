@@ -92,6 +92,26 @@ volatile uint16_t *hysgen_board_record(board_t *board)
     return board->record;
 }
 
+/* No code, but words to look at, for the cycles. */
+board_span_t hysgen_board_code(board_t *board)
+{
+    static const uint32_t words[256] = { 1u };
+    const board_span_t code = { words, 256u };
+
+    (void)board;
+    return code;
+}
+
+board_span_t hysgen_board_stack(board_t *board)
+{
+    const board_span_t stack = { board->stack, 64u };
+
+    for (uint32_t i = 0u; i < stack.count; ++i) {
+        board->stack[i] = BOARD_STACK_FILL;
+    }
+    return stack;
+}
+
 void hysgen_board_alive(board_t *board)
 {
     (void)board;

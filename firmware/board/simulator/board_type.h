@@ -22,6 +22,7 @@ typedef struct {
     float output_V;
     uint32_t kept[2];
     uint16_t record[BOARD_RECORD];
+    uint32_t stack[64];           /* nobody's */
     uint32_t enabled;             /* the amplifier is switched on */
     uint8_t in[SIMULATED_LINE];   /* bytes on the line to the firmware, */
     uint32_t in_first;

@@ -27,19 +27,8 @@ from hysgen.model.path import preview
 Floats32 = NDArray[np.float32]
 
 HEADERS: Final = (
-    "linkage.h",
-    "board_type.h",
-    "settings.h",
-    "status.h",
-    "play.h",
-    "trim.h",
-    "watchdog.h",
-    "controller.h",
-    "image.h",
-    "store.h",
-    "frame.h",
-    "link.h",
-    "firmware.h",
+    *("linkage.h", "board_type.h", "board.h", "settings.h", "status.h", "play.h", "trim.h", "watchdog.h"),
+    *("controller.h", "image.h", "store.h", "frame.h", "link.h", "integrity.h", "firmware.h"),
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
 
@@ -109,9 +98,10 @@ class FirmwareStatus(IntFlag):
     FAULT_TIMEOUT = 0x2000000
     FAULT_RESET = 0x4000000
     FAULT_EXCEPTION = 0x8000000
+    FAULT_MEMORY = 0x10000000
 
 
-FAULTS: Final = 0x0FFF0000
+FAULTS: Final = 0x1FFF0000
 """Mask of the bits of FirmwareStatus that bring the voltage down (STATUS_FAULTS of status.h)."""
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-PROTOCOL: Final = 3
+PROTOCOL: Final = 4
 ANSWER: Final = 0x80
 CHUNK: Final = 64
 """Bytes of a parameter image, table or record in one frame."""
@@ -45,7 +45,7 @@ class LinkStatus:
     output_V, reference_um, offset_um: of the last sample.
     image_answer, image_pending, received: of the parameter image that arrived last. counter: of the image in use, 0 for
     none. commits, commit_answer, updates, rejected: of learning. cycles_last, cycles_most: of the interrupt. selftest:
-    mismatches at boot.
+    mismatches at boot. stack_bytes: of the stack that were never used.
     """
 
     state: int
@@ -67,11 +67,12 @@ class LinkStatus:
     cycles_last: int
     cycles_most: int
     selftest: int
+    stack_bytes: int
 
     @classmethod
     def unpack(cls, data: bytes) -> LinkStatus:
         """Raises struct.error for data of another length."""
-        return cls(*struct.unpack("<4I4f11I", data))
+        return cls(*struct.unpack("<4I4f12I", data))
 
 
 IDENTITY: Final = struct.Struct("<6IQ?3x5I8fI")

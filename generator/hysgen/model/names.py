@@ -45,8 +45,8 @@ _ENDINGS: Final = ("_bank", "_c674x", "_component", "_fmu", "_learner", "_params
 """Endings of types and files of another model: of `stage` beside `stage_bank`."""
 
 _OURS: Final = """
-bank board board_ring bytes controller controller_state crc32 firmware frame image image_bench image_owner link
-linkage main model number play settings siphash status store trim watchdog watchdog_count
+bank board board_ring bytes controller controller_state crc32 firmware frame image image_bench image_owner integrity
+link linkage main model number play settings siphash status store trim watchdog watchdog_count
 """
 """Files of the controller and of generated folders."""
 

@@ -144,6 +144,12 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
     assert not run.board.enabled
     assert not run.board.violations
 
+    # A constant that changes: a round over all words of the image takes 3000 samples at most.
+    assert 4096 < client.status().stack_bytes <= 7168
+    system.view(firmware().image.symbol("main_settings").address, 1, np.uint32)[0] ^= 8
+    assert system.run(6000 * PERIOD)
+    assert FirmwareStatus.FAULT_MEMORY in FirmwareStatus(client.status().status)
+
 
 def differing_words(run: Run) -> int:
     """Words of the D/A, sample by sample since reset, that differ from the host's on the same readings."""
