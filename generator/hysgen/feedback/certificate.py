@@ -19,7 +19,7 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
-from hysgen.feedback.stage import Uncertainty, draws, inverse, lines, modes_of, response, stage
+from hysgen.feedback.stage import Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.base import StateSpace, series
@@ -30,12 +30,6 @@ Complex = NDArray[np.complex128]
 
 SEARCHED = 24
 """Draws for which the filter is searched; the integral is then that which all draws allow."""
-
-POINTS, WIDTHS, MOST_NEAR = 300, 5.0, 200
-"""Frequencies from LOWEST to half the sampling rate, and widths of a mode, and most frequencies, about each mode."""
-
-LOWEST = 1e-5
-"""Lowest frequency as a share of the sampling rate: there the integral alone counts."""
 
 SETTLED, STEPPED, TURNS = 0.02, 64, 60.0
 """Share of a step within which it has settled; draws that are stepped; radians of the bandwidth that are waited for."""
@@ -136,8 +130,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
 
     latency: as for LoopDesign. Raises ModelError if there is none.
     """
-    modes, ringing, cloud = modes_of(model), lines(model), draws(model)
-    f_Hz = _frequencies([*modes, *ringing], given, model.Ts_s)
+    modes, ringing, cloud, f_Hz = modes_of(model), lines(model), draws(model), frequencies(model, given)
     z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
     known, ahead = inverse(model), latency + preview(model.blocks)
     chains = [stage(model, unit, given, ahead) for unit in cloud]
@@ -180,19 +173,6 @@ def _gain(loops: Complex, model: Model) -> float:
     if not 0.0 < gain < math.inf:
         raise ModelError(f"{model.name}: no loop around this model keeps its margins; state a smaller uncertainty")
     return gain
-
-
-def _frequencies(modes: Sequence[tuple[float, float]], given: Uncertainty, Ts_s: float) -> Floats:
-    """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
-    parts = [np.geomspace(LOWEST / Ts_s, 0.499 / Ts_s, POINTS)]
-    for f_Hz, zeta in modes:
-        sharp = zeta * max(1.0 - given.damping, 0.1)
-        reach = given.frequency + given.share + WIDTHS * sharp
-        parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
-    # Near half the sampling rate, where zeros of sampled modes make the inverse ring.
-    parts.append(0.5 / Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
-    f = np.unique(np.concatenate(parts))
-    return f[(f >= LOWEST / Ts_s) & (f < 0.5 / Ts_s)]
 
 
 def _margins(loops: Complex) -> tuple[float, float]:

@@ -39,6 +39,12 @@ LOG2_DRAWS = 10
 LATENCY = 1.0
 """Samples from reading to voltage by default: it is put out when the next sample begins."""
 
+POINTS, WIDTHS, MOST_NEAR = 300, 5.0, 200
+"""Frequencies from LOWEST to half the sampling rate, and widths of a mode, and most frequencies, about each mode."""
+
+LOWEST = 1e-5
+"""Lowest frequency as a share of the sampling rate: there the integral alone counts."""
+
 RINGS, LEAST_SHARE = 0.3, 0.01
 """Damping ratio below which a pole rings, and share of the displacement from which on a mode counts."""
 
@@ -122,6 +128,20 @@ def lines(model: Model) -> list[tuple[float, float]]:
                 if pole.imag > 0.0 and zeta < RINGS:
                     ringing.append((f_Hz, max(zeta, LEAST_DAMPING)))
     return sorted(ringing)
+
+
+def frequencies(model: Model, given: Uncertainty) -> Floats:
+    """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
+    Ts_s = model.Ts_s
+    parts = [np.geomspace(LOWEST / Ts_s, 0.499 / Ts_s, POINTS)]
+    for f_Hz, zeta in (*modes_of(model), *lines(model)):
+        sharp = zeta * max(1.0 - given.damping, 0.1)
+        reach = given.frequency + given.share + WIDTHS * sharp
+        parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
+    # Near half the sampling rate, where zeros of sampled modes make the inverse ring.
+    parts.append(0.5 / Ts_s * (1.0 - np.geomspace(1e-6, 0.1, POINTS // 5)))
+    f = np.unique(np.concatenate(parts))
+    return f[(f >= LOWEST / Ts_s) & (f < 0.5 / Ts_s)]
 
 
 def natural(pole: complex, Ts_s: float) -> tuple[float, float]:

@@ -54,16 +54,11 @@ def own_response(model: Model) -> Model:
     return dataclasses.replace(model, terms=(), weights=np.zeros(0), scores={}, certificates={})
 
 
-def asked_of_inverse(model: Model, u_V: Floats) -> Floats:
-    """Displacements, (n,), that the emitted inverse is asked for, one after the other, to put out u_V, (n,).
-
-    It leaves blocks without a stable inverse out: asked for what the model without them answers, it puts out u_V.
-    """
-    return without_unstable(model).simulate(u_V)
-
-
 def without_unstable(model: Model) -> Model:
-    """The model that the emitted inverse inverts: without disturbances and blocks that have no stable inverse."""
+    """The model that the emitted inverse inverts: without disturbances and blocks that have no stable inverse.
+
+    Asked for what this model answers to a voltage, the emitted inverse puts out this voltage.
+    """
     solved = tuple(block for block in model.blocks if not block.responds or block.solves(model.Ts_s))
     return dataclasses.replace(own_response(model), blocks=solved)
 

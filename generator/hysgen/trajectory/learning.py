@@ -3,12 +3,13 @@
     e = r - y,   next reference = m + Q e,   m = answer of the model to the voltage that was played
 
 in the discrete cosine transform, whose basis is even at both ends. The voltage of the next reference is the inverse of
-the model, so what is left of an error is (1 - (1 + D) Q) e, where D is the relative error of the model:
+the model, so a stage P' whose model is P leaves (1 - Q T) e, T = P'/P, noise apart:
 
-    Q(f) = 1 - s^2/S_e(f), 0 where S_e < NOISE_FACTOR s^2        S_e: power of e near f,  s^2: of what does not repeat
-    |D(f)|^2 = S(dy - dm)/S(dm)                                  dy, dm: from one repeat to another voltage
+    Q = q (1 - s^2/S_e), 0 where S_e < NOISE_FACTOR s^2        S_e(f): power of e near f, s^2: of what does not repeat
+    q = min(mean Re T/mean |T|^2, MOST min Re T/|T|^2)         over draws of the uncertainty of the model
 
-Q is 0 where |D| > TRUSTED or where the error grew. Where all of it is 0, there is nothing to learn.
+q leaves least in the mean square, as far as every draw leaves less than there was; 0 where there is none, where the
+stage hardly passes, and where a repeat made the error grow. Where all of Q is 0, there is nothing to learn.
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
 
@@ -23,6 +24,8 @@ from numpy.typing import NDArray
 from scipy.fft import dct, idct
 
 from hysgen.errors import RecordError
+from hysgen.feedback.stage import Uncertainty, draws, frequencies, response
+from hysgen.feedback.stage import stage as stage_of
 from hysgen.model.model import Model
 from hysgen.record import Record
 from hysgen.record.read import Series
@@ -40,14 +43,23 @@ NOISE_FACTOR = 2.0
 TRUSTED = 0.8
 """Largest relative error of the model with which a repeat leaves less than it finds, with a margin of a fifth."""
 
-GROWN = 1.5
+DRAWS, MOST = 128, 1.6
+"""Draws of the stage; largest share that is learnt, in Re T/|T|^2: with 2 an error stays as large as it was."""
+
+LEAST_GAIN = 0.02
+"""Gain of the stage, against that at rest, below which it hardly passes: the voltage would rather move hystereses."""
+
+GROWN = 1.2
 """Factor by which the power of an error has grown near a frequency where learning made it worse."""
 
 WORSE = 1.1
 """Factor on the least error so far from which on the last repeat counts as worse, not as noise by chance."""
 
-SAME_VOLTAGE = 1e-4
+SAME_VOLTAGE = 1e-5
 """Rms difference of two voltages, as a share of their range, up to which they are one voltage played twice."""
+
+MEDIAN = 0.4549
+"""Median of the square of a normal number of variance 1."""
 
 
 def learn(
@@ -60,49 +72,67 @@ def learn(
     stage, n = own_response(model), reference.values.size
     lead = lead_samples(stage, reference.values, limits_of(model, given), loop)
     volts: list[Floats] = []
-    readings: list[Floats] = []
     answers: list[Floats] = []
+    missed: list[Floats] = []
     counts: list[int] = []
     scatter = 0.0
     for record in plays:
         u_V, y_um = _aligned(record, reference, lead, model.Ts_s)
-        same_V = SAME_VOLTAGE * float(np.ptp(u_V))
+        answer, same_V = stage.simulate(u_V)[lead:], SAME_VOLTAGE * float(np.ptp(u_V))
         known = next((i for i, other in enumerate(volts) if np.sqrt(np.mean((u_V - other) ** 2)) <= same_V), None)
         if known is None:
             volts.append(u_V)
-            readings.append(y_um)
-            answers.append(stage.simulate(u_V)[lead:])
+            answers.append(answer)
+            missed.append(y_um - answer)
             counts.append(1)
         else:
-            scatter += float(np.mean((y_um - readings[known]) ** 2)) * counts[known] / (counts[known] + 1)
-            readings[known] = readings[known] + (y_um - readings[known]) / (counts[known] + 1)
             counts[known] += 1
-    errors = [reference.values - y_um for y_um in readings]
+            again = y_um - answer - missed[known]
+            scatter += float(np.mean(again**2)) * (1.0 - 1.0 / counts[known])
+            missed[known] = missed[known] + again / counts[known]
+    errors = [reference.values - answer - wrong for answer, wrong in zip(answers, missed, strict=True)]
     rms = [float(np.sqrt(np.mean(e**2))) for e in errors]
+    pairs = [(late, 1.0 / counts[late] + 1.0 / counts[late - 1]) for late in range(1, len(rms))]
+    # What is white in an error, and in what changes of the model's error from one voltage to another.
+    changes = [np.median(dct(missed[late] - missed[late - 1], norm="ortho") ** 2) / (MEDIAN * by) for late, by in pairs]
     repeated = sum(counts) - len(counts)
-    noise_um = math.sqrt(scatter / repeated) if repeated else residual_noise(errors[-1])
+    noise_um = math.sqrt(scatter / repeated if repeated else min([residual_noise(errors[-1]) ** 2, *changes]))
     base = len(rms) - 1 if rms[-1] <= WORSE * min(rms) else int(np.argmin(rms))
     spectra = [np.asarray(dct(e, norm="ortho")) for e in errors]
     power, noise = _power(spectra[base]), noise_um**2 / counts[base]
-    Q = np.where(power > NOISE_FACTOR * noise, 1.0 - noise / np.maximum(power, 1e-300), 0.0)
+    share, remains = converging(model, np.arange(n) / (2.0 * n * model.Ts_s))
+    least = _power(spectra[0])
+    for late, by in pairs:
+        moved, unseen = _power(dct(answers[late] - answers[late - 1], norm="ortho")), NOISE_FACTOR * noise_um**2 * by
+        share[(moved > unseen) & (_power(spectra[late]) > GROWN * least + unseen)] = 0.0
+        least = np.minimum(least, _power(spectra[late]))
     # Over a whole repeat, above the noise and but for a constant.
-    missed = max(float(np.var(readings[base] - answers[base])) - noise_um**2, 0.0)
-    wrong = np.full(n, math.sqrt(missed / max(float(np.var(answers[base])), 1e-300)))
-    for late, early in zip(range(len(volts) - 1, 0, -1), range(len(volts) - 2, -1, -1), strict=True):
-        moved = np.asarray(dct(answers[late] - answers[early], norm="ortho"))
-        apart = np.asarray(dct(readings[late] - readings[early], norm="ortho")) - moved
-        change, unseen = _power(moved), noise_um**2 * (1.0 / counts[late] + 1.0 / counts[early])
-        seen = change > NOISE_FACTOR * unseen
-        wrong[seen] = np.sqrt(np.maximum(_power(apart)[seen] - unseen, 0.0) / change[seen])
-        Q[(_power(spectra[late]) > GROWN * _power(spectra[early]) + NOISE_FACTOR * unseen) & (late > base)] = 0.0
-    Q[wrong > TRUSTED] = 0.0
-    learnt = np.flatnonzero(Q > 0.0)
-    leaves = float((1.0 - Q + wrong * Q)[learnt].max()) if learnt.size else (1.0 if (wrong > TRUSTED).all() else 0.0)
+    wrong = float(np.var(missed[base])) - noise_um**2 > TRUSTED**2 * float(np.var(answers[base]))
+    above = power > NOISE_FACTOR * noise
+    Q = np.where(above & (not wrong), share * (1.0 - noise / np.maximum(power, 1e-300)), 0.0)
+    learnt, stays = np.flatnonzero(Q > 0.0), np.sum((power - noise)[above & (Q == 0.0)]) / n
     aim = answers[base] + np.asarray(idct(Q * spectra[base], norm="ortho"))
     wanted = Sampled(aim, reference.start_s, f"{reference.source}, next repeat", reference.remarks)
     highest = None if not learnt.size else float(learnt[-1]) / (2.0 * n * model.Ts_s)
-    learning = Learning(tuple(rms), noise_um, base + 1, highest, leaves)
+    leaves = (
+        1.0 if wrong else math.sqrt(np.sum(remains[learnt] ** 2 * power[learnt]) / max(np.sum(power[learnt]), 1e-300))
+    )
+    learning = Learning(tuple(rms), noise_um, base + 1, highest, leaves, math.sqrt(stays))
     return replace(plan(model, wanted, given, loop=loop), learning=learning)
+
+
+def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats]:
+    """q at each frequency, (n,), and the largest share of an error that it leaves in any draw, (n,)."""
+    given, grid_Hz = Uncertainty(), frequencies(model, Uncertainty())
+    z = np.exp(2j * math.pi * grid_Hz * model.Ts_s)
+    cloud = draws(model)[:DRAWS]
+    own = response(stage_of(model, np.zeros(cloud.shape[1]), given, 1.0), z)
+    T = np.array([response(stage_of(model, unit, given, 1.0), z) for unit in cloud]) / own
+    power = np.abs(T) ** 2
+    share = np.minimum(T.real.mean(axis=0) / power.mean(axis=0), MOST * np.min(T.real / power, axis=0))
+    share[(np.abs(own) < LEAST_GAIN) | (share < 0.0)] = 0.0
+    remains = np.abs(1.0 - share * T).max(axis=0)
+    return np.interp(f_Hz, grid_Hz, share), np.interp(f_Hz, grid_Hz, remains)
 
 
 def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tuple[Floats, Floats]:

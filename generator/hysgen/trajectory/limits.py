@@ -44,6 +44,9 @@ ROUNDS, LEAST_FALL = 12, 0.01
 SHARES = (1.0, 0.5, 0.25)
 """Shares of the way from the last voltage to that of a programme that are tried: the line is no more than near."""
 
+REACHED = 1e-5
+"""Largest error of a reference that is reached, as a share of its range (of the model's for a constant)."""
+
 MOVED = 1e-6
 """Change of the voltage, as a share of the range, from which on the slope of a hysteresis is read from it."""
 
@@ -126,6 +129,8 @@ def best_within(
     best = nearest(clipped(volts, limits, model.Ts_s) for volts in (u_V, emitted))
     for _ in range(ROUNDS):
         before, volts, answer = best
+        if before < REACHED * np.ptp(y_um):
+            break
         aim, least_um = _programme(model, y_um, volts, answer, limits, slice(first, scored.stop))
         aim = clipped(aim, limits, model.Ts_s) if limits.broken(aim, model.Ts_s) else aim
         # The limits are convex: every voltage between two inside them is inside them, too.

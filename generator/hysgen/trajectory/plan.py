@@ -15,19 +15,16 @@ from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.trajectory.inverse import (
     CORRECTIONS,
-    asked_of_inverse,
     corrected_inverse,
     own_response,
     preview_samples,
     rest_voltage,
+    without_unstable,
 )
-from hysgen.trajectory.limits import MOVED, Limits, best_within, clipped, limits_of
+from hysgen.trajectory.limits import MOVED, REACHED, Limits, best_within, clipped, limits_of
 from hysgen.trajectory.reference import Sampled
 
 Floats = NDArray[np.float64]
-
-REACHED = 1e-5
-"""Largest error of a reference that is reached, as a share of its range (of the model's for a constant)."""
 
 SETTLED, MOST_SAMPLES, RUN_IN = 1e-7, 100_000, 20
 """Share of a slow state that a steady state may still lack, samples until then at most, periods at least."""
@@ -44,8 +41,8 @@ class Learning:
     """What the repeats so far teach. rms_um: error of each voltage that was played, over the mean of its plays.
 
     noise_um: rms of what does not repeat. base: the voltage, from 1, that the next one starts from. highest_Hz: up to
-    where the next one learns, None where nothing is. leaves: largest share of a learnt error that the next one leaves,
-    by what the repeats show of the model.
+    where the next one learns, None where nothing is. leaves: largest share of the rms of what it learns that the next
+    one leaves, by the uncertainty of the model. stays_um: rms of what repeats at frequencies that it does not learn.
     """
 
     rms_um: tuple[float, ...]
@@ -53,6 +50,7 @@ class Learning:
     base: int
     highest_Hz: float | None
     leaves: float
+    stays_um: float
 
     @property
     def diverges(self) -> bool:
@@ -66,6 +64,10 @@ class Learning:
         if self.base < len(self.rms_um):
             lines.append(
                 f"the last repeat is WORSE: repeat {self.base} is the base; where errors grew, nothing is learnt"
+            )
+        if self.stays_um > 0.0:
+            lines.append(
+                f"not learnt: {self.stays_um:.3g} um rms, where the stage hardly passes or is not known enough"
             )
         if self.leaves >= 1.0:
             return [*lines, "NOT learnt: the model is wrong by most of what the stage moves; refit it with the repeat"]
@@ -81,7 +83,7 @@ class Learning:
 class Waveform(Displayed):
     """u_V: (n,) voltages from start_s on, every Ts_s; the reference, (m,), begins `lead` samples later.
 
-    asked_um: (n,) the reference of a loop around the emitted inverse (`asked_of_inverse`). y_um: (m,) displacement that
+    asked_um: (n,) the reference of a loop around the emitted inverse (`without_unstable`). y_um: (m,) displacement that
     the model answers. largest_um: the largest error that the limits leave; clipped_um: that of the exact voltage cut at
     its limits, None where nothing is cut. spans_s: from .. to where the error is above REACHED. broken: names of the
     limits that the exact voltage exceeds. model_rms_um, model_largest_um: errors of the model on the record that
@@ -225,7 +227,7 @@ def plan(
         model.name,
         reference,
         volts,
-        asked_of_inverse(stage, volts),
+        without_unstable(stage).simulate(volts),
         y,
         model.Ts_s,
         lead,
