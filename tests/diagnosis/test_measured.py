@@ -32,10 +32,14 @@ class Measured:
         return diagnose(record, settings=DiagnoseSettings(identify=FITTED_ROWS / record.samples))
 
 
+def recorded(folder: Path, name: str) -> Measured:
+    rows = np.loadtxt(folder / "dbo" / name, delimiter=",", skiprows=1)
+    return Measured(rows[:, 1], rows[:, 2])
+
+
 @pytest.fixture(scope="module")
 def manipulator(measured: Path) -> Measured:
-    rows = np.loadtxt(measured / "dbo" / "ramps.csv", delimiter=",", skiprows=1)
-    return Measured(rows[:, 1], rows[:, 2])
+    return recorded(measured, "ramps.csv")
 
 
 @pytest.fixture(scope="module")
@@ -109,11 +113,12 @@ def test_wrong_readings_hidden_in_a_measured_record_are_found_and_cost_the_model
 
 
 @pytest.mark.proof
-def test_a_step_of_the_gain_hidden_in_a_measured_record_is_found(manipulator: Measured) -> None:
-    """Where the amplitude is full. While it decays, a hysteresis explains the step as well, and nothing is named."""
-    y_um, step = manipulator.y_um.copy(), 710
+def test_a_step_of_the_gain_hidden_in_a_measured_record_is_found(measured: Path) -> None:
+    """At one amplitude. Where the amplitude decays, a hysteresis explains the step as well, and nothing is named."""
+    full, step = recorded(measured, "full_amplitude.csv"), 2348
+    y_um = full.y_um.copy()
     y_um[step:] += 0.02 * (y_um[step:] - y_um[:step].mean())
-    hidden = Measured(manipulator.u_V, y_um).diagnosed()
-    share, at_s = map(float, re.findall(r"gain changes by ([+-][\d.]+)% at ([\d.]+) s", hidden.unknown or "")[0])
+    unknown = Measured(full.u_V, y_um).diagnosed().unknown or ""
+    share, at_s = map(float, re.findall(r"gain changes by ([+-][\d.]+)% at ([\d.]+) s", unknown)[0])
     assert share == pytest.approx(2.0, rel=0.15)
     assert at_s == pytest.approx(step * TS_S, abs=0.2)
