@@ -26,8 +26,8 @@ from hysgen.diagnosis.ladder import gain
 from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.residual import residual_noise
 from hysgen.record import Record
-from hysgen.record.series import residual_noise
 
 NOISE_NM = 0.5
 

@@ -37,7 +37,7 @@ from hysgen.model.path.delay import Delay
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.saturation import Saturation
 from hysgen.model.path.slew import Slew
-from hysgen.record.wrong_readings import outlier_flags
+from hysgen.model.residual import outlier_flags
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

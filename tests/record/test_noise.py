@@ -9,17 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from hysgen.model.residual import residual_noise, residual_noise_floor
 from hysgen.record import Record, Segment
-from hysgen.record.noise import NoiseFloor, noise_floor, residual_noise_floor
-from hysgen.record.series import (
-    first_covering,
-    period_of,
-    plateaus,
-    residual_noise,
-    resolution_um,
-    turning_rows,
-    white_noise,
-)
+from hysgen.record.noise import NoiseFloor, noise_floor
+from hysgen.record.series import first_covering, period_of, plateaus, resolution_um, turning_rows, white_noise
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

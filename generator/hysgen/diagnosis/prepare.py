@@ -26,10 +26,10 @@ from hysgen.errors import RecordError
 from hysgen.fitting.path import LATEST_COVERED, PathColumns
 from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels.operators import lag_states, play_operators
+from hysgen.model.residual import EDGE
 from hysgen.record import Record, Segment
 from hysgen.record.checks import at_end
 from hysgen.record.series import COVERED, first_covering
-from hysgen.record.wrong_readings import EDGE
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

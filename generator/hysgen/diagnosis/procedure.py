@@ -39,8 +39,9 @@ from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.remaining import LEAST_EVIDENCE, Remaining
+from hysgen.model.residual import residual_noise_floor
 from hysgen.record import Record
-from hysgen.record.noise import NoiseFloor, residual_noise_floor
+from hysgen.record.noise import NoiseFloor
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]

@@ -34,7 +34,8 @@ from hysgen.diagnosis.prepare import PROBE_LAGS
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, Trace, octaves, projector_off
 from hysgen.diagnosis.probe.solve import block_left_out_error
 from hysgen.model.remaining import LEAST_EVIDENCE
-from hysgen.record.series import SHORTEST_PLATEAU, dispersion, period_of, plateaus, residual_noise, resolution_um
+from hysgen.model.residual import dispersion, residual_noise
+from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, resolution_um
 
 Floats = NDArray[np.float64]
 

@@ -41,8 +41,8 @@ from hysgen.diagnosis.search_steps import (
     with_best_lag,
 )
 from hysgen.diagnosis.slow_evidence import Whitenings, slow_part
+from hysgen.model.residual import outlier_flags
 from hysgen.record.series import resolution_um
-from hysgen.record.wrong_readings import outlier_flags
 
 Progress = Callable[[str], None]
 

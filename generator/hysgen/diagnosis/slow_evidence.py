@@ -33,7 +33,7 @@ import numpy as np
 from hysgen.diagnosis.causes import slow_causes, without_causes
 from hysgen.diagnosis.probe import Chain, Fit, Scene, WhitenedScene, refine
 from hysgen.diagnosis.score import Scored, present, prior_score, structure
-from hysgen.record.series import block_edges, dispersion
+from hysgen.model.residual import block_edges, dispersion
 
 WHITENED_ROUNDS = 4
 """Gauss-Newton rounds on the innovations, from a chain that is refined by least squares already."""

@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.record.series import BLOCKS, dispersion, residual_noise, resolution_um
-from hysgen.record.wrong_readings import outlier_flags
+from hysgen.record.series import resolution_um
+from hysgen.model.residual import BLOCKS, dispersion, residual_noise
+from hysgen.model.residual import outlier_flags
 
 Floats = NDArray[np.float64]
 

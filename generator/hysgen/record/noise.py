@@ -6,14 +6,8 @@ Of a record alone, by the first method that it allows:
     plateaus     the input is constant: variance about a parabola over the last three quarters of each plateau
     differences  mean (D^m y)^2 / C(2m, m), m = 6: white noise on a displacement that is smooth over m samples
 
-Given the residual e of a model, so that an error with a cause, such as hum on a plateau, does not count as noise:
-
-    periods      as above
-    plateaus     variance of e about a straight line on each plateau, from 12 time constants of the stage on; the median
-    innovation   second differences of e, see `series.residual_noise`
-
-"differences" and "innovation" assume white noise, the others noise of any colour that is faster than the period or the
-plateau; both are `series.white_noise`.
+"differences" assumes white noise, see `series.white_noise`, the others noise of any colour that is faster than the
+period or the plateau. Given the residual of a model: `model.residual`.
 """
 
 from __future__ import annotations
@@ -28,7 +22,7 @@ from numpy.typing import NDArray
 
 from hysgen.record.data import Record
 from hysgen.record.segment import Segment
-from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, residual_noise, white_noise
+from hysgen.record.series import SHORTEST_PLATEAU, period_of, plateaus, white_noise
 
 Floats = NDArray[np.float64]
 Method = Literal["periods", "plateaus", "differences", "innovation"]
@@ -37,12 +31,6 @@ ORDER = 6
 
 FEWEST = 100
 """Samples that an estimate of the record alone needs."""
-
-FEWEST_RESIDUALS, FEWEST_ON_PLATEAU = 200, 16
-"""Samples on plateaus that an estimate from a residual needs, in all and on each."""
-
-DECAY_LAGS = 12.0
-"""Time constants of the stage at the beginning of a plateau that are left out, so that the lag has decayed."""
 
 
 @dataclass(frozen=True)
@@ -87,30 +75,6 @@ def noise_floor(record: Record) -> NoiseFloor:
     return NoiseFloor(0.0, "differences", 0)
 
 
-def residual_noise_floor(record: Record, residual_um: Floats, lag_s: float) -> NoiseFloor:
-    """The noise floor of a record, given the residual of a model.
-
-    residual_um: (n,) over all segments in order, NaN for samples to be left out. lag_s: time constant of the stage.
-    """
-    repeated = noise_floor(record)
-    if repeated.method == "periods":
-        return repeated
-    skipped = max(4, round(DECAY_LAGS * lag_s / record.Ts_s))
-    edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
-    rests = [
-        residual_um[first + begin + skipped : first + end]
-        for segment, first in zip(record.segments, edges, strict=False)
-        for begin, end in plateaus(segment.u_V)
-    ]
-    rests = [y for y in rests if len(y) >= FEWEST_ON_PLATEAU and np.isfinite(y).all()]
-    samples = sum(map(len, rests))
-    if samples >= FEWEST_RESIDUALS:
-        # The median over plateaus: on some of them the stage may still move.
-        variances = [_about_polynomial(y, 1) / (len(y) - 2) for y in rests]
-        return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
-    return NoiseFloor(residual_noise(residual_um), "innovation", len(residual_um) - 2)
-
-
 def _periods(segment: Segment) -> Iterator[tuple[float, float]]:
     period = period_of(segment.u_V)
     if period is None:
@@ -119,14 +83,14 @@ def _periods(segment: Segment) -> Iterator[tuple[float, float]]:
     y = segment.y_um[period:] if segment.samples >= 3 * period else segment.y_um
     difference = y[period:] - y[:-period]
     if difference.size >= FEWEST:
-        yield 0.5 * _about_polynomial(difference, 1), difference.size - 2.0
+        yield 0.5 * about_polynomial(difference, 1), difference.size - 2.0
 
 
 def _plateaus(segment: Segment) -> Iterator[tuple[float, float]]:
     tolerance_V = 1e-6 * float(np.ptp(segment.u_V))
     for begin, end in plateaus(segment.u_V, SHORTEST_PLATEAU + 1, tolerance_V):
         y = segment.y_um[begin + (end - begin - 1) // 4 : end]
-        yield _about_polynomial(y, 2), y.size - 3.0
+        yield about_polynomial(y, 2), y.size - 3.0
 
 
 def _differences(segment: Segment) -> Iterator[tuple[float, float]]:
@@ -135,7 +99,7 @@ def _differences(segment: Segment) -> Iterator[tuple[float, float]]:
         yield count * white_noise(segment.y_um, ORDER, "rms") ** 2, float(count)
 
 
-def _about_polynomial(values: Floats, degree: int) -> float:
+def about_polynomial(values: Floats, degree: int) -> float:
     """Sum of squares about the least-squares polynomial."""
     place = np.linspace(-1.0, 1.0, values.size)
     basis = np.polynomial.legendre.legvander(place, degree)

@@ -1,4 +1,4 @@
-"""Properties of one sampled series: plateaus, turning points, period, white noise, independent samples."""
+"""Properties of one sampled series: plateaus, turning points, period, white noise, resolution."""
 
 from __future__ import annotations
 
@@ -17,9 +17,6 @@ SHORTEST_PLATEAU = 40
 REPEATS_WITHIN = 1e-3
 """Rms difference of two periods of an input, relative to its standard deviation, up to which it is periodic."""
 
-MANY_DIFFERENCES = 8000
-"""Up to this number of differences, `residual_noise` uses their median: the search is calibrated with the median."""
-
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation of a normal variable over the median of its magnitude."""
 
@@ -31,10 +28,6 @@ COVERED = 0.98
 
 KEPT, KEPT_POWER = 0.9, 0.62302
 """Share of differences left after trimming the largest, and their mean square in Gaussian noise of variance 1."""
-
-
-BLOCKS, SLOWEST = 40, 10
-"""Blocks of rows in `dispersion`, and number of its slow coefficients: their mean has a standard deviation of 45 %."""
 
 
 def first_covering(u_V: Floats) -> int:
@@ -127,34 +120,3 @@ def resolution_um(readings_um: Floats) -> float:
     codes = np.unique(readings_um)
     step_um = float(np.diff(codes).min()) if len(codes) > 1 else 0.0
     return step_um if step_um > LEAST_STEP * float(codes[-1] - codes[0]) else 0.0
-
-
-def residual_noise(residual: Floats) -> float:
-    """Standard deviation of the white part of a residual of consecutive samples, (n,), by `white_noise` of order 2.
-
-    Slow parts of the residual cancel; between samples that are not neighbours they would not. NaN samples are left out.
-    Above MANY_DIFFERENCES differences the scale is "trimmed".
-    """
-    count = int(np.isfinite(np.diff(residual, 2)).sum())
-    return white_noise(residual, 2, "median" if count <= MANY_DIFFERENCES else "trimmed")
-
-
-def block_edges(rows: int) -> NDArray[np.intp]:
-    """(BLOCKS + 1,) first rows of BLOCKS blocks of equal length, and the end."""
-    return np.linspace(0, rows, BLOCKS + 1).astype(np.intp)
-
-
-def dispersion(error: Floats, effect: Floats) -> float:
-    """Number of samples of a residual that count as one independent sample where an effect acts, at least 1.
-
-        g_b = sum over block b of error * effect
-        c   = max over G of the mean of G_j^2 for j in G, over that of a white residual;   G = DCT of g
-
-    error, effect: (n,). G: all coefficients, or the SLOWEST ones, which an error slower than a block makes larger.
-    """
-    edges = block_edges(len(error))
-    products = np.add.reduceat(error * effect, edges[:-1])
-    powers = np.add.reduceat(effect * effect, edges[:-1]) * float(np.mean(error * error))
-    waves = np.cos(np.pi * np.outer(np.arange(BLOCKS), np.arange(BLOCKS) + 0.5) / BLOCKS)
-    seen, white = (waves @ products) ** 2, waves**2 @ powers + 1e-300
-    return max(1.0, *(float(seen[1:last].sum() / white[1:last].sum()) for last in (SLOWEST + 1, BLOCKS)))

@@ -27,9 +27,9 @@ from hysgen.errors import RecordError
 from hysgen.feedback.stage import Uncertainty, draws, frequencies, response
 from hysgen.feedback.stage import stage as stage_of
 from hysgen.model.model import Model
+from hysgen.model.residual import residual_noise
 from hysgen.record import Record
 from hysgen.record.read import Series
-from hysgen.record.series import residual_noise
 from hysgen.trajectory.inverse import own_response
 from hysgen.trajectory.limits import Limits, limits_of
 from hysgen.trajectory.plan import Learning, Waveform, lead_samples, plan

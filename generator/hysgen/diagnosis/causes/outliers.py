@@ -15,9 +15,10 @@ from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Sign
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
 from hysgen.display import decimal
+from hysgen.model.residual import LEAST_DEVIATION, local_scatter
 from hysgen.record.excitation import Excitation
 from hysgen.record.series import MEDIAN_TO_DEVIATION
-from hysgen.record.wrong_readings import LEAST_DEVIATION, are_frequent, local_scatter
+from hysgen.record.wrong_readings import are_frequent
 
 Floats = NDArray[np.float64]
 

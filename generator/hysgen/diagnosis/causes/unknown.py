@@ -20,7 +20,7 @@ from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
 from hysgen.model.remaining import LEAST_SHARE, Near, falls_from_each_row
-from hysgen.record.series import BLOCKS, residual_noise
+from hysgen.model.residual import BLOCKS, residual_noise
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
