@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class HysgenError(Exception):
     """Base of all errors of hysgen. The command line prints the text and exits with status 2."""
@@ -37,3 +40,10 @@ class BudgetError(HysgenError):
 
 class TargetError(HysgenError):
     """A C674x program violates a rule of the processor, or uses a feature that the simulator does not model."""
+
+
+def nearest(name: str, there: Iterable[str]) -> str:
+    """The text " (did you mean 'x'?)" with the name in `there` of closest spelling, or "" if none is close."""
+    by_spelling = {one.lower(): one for one in there}
+    close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.6)
+    return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""

@@ -17,7 +17,7 @@ from hysgen.certify.dynamics import Dynamics, dynamics
 from hysgen.diagnosis.identifiability import Inspection
 from hysgen.diagnosis.identifiability import inspect as inspect_record
 from hysgen.display import OWN, WRITTEN_IN, Quantities
-from hysgen.errors import FitError, RecordWarning
+from hysgen.errors import FitError, RecordWarning, nearest
 from hysgen.feedback import certificate
 from hysgen.feedback.certificate import LoopDesign
 from hysgen.feedback.stage import LATENCY, Uncertainty
@@ -33,7 +33,7 @@ from hysgen.model.scores import Score, Scores, score_identification, score_predi
 from hysgen.model.scores import score as score_model
 from hysgen.model.simulate import free_run
 from hysgen.record import Record, check_for_fit
-from hysgen.record.columns import Columns, nearest
+from hysgen.record.columns import Columns
 from hysgen.record.read import record_of
 from hysgen.record.runs import columns_of
 from hysgen.record.segment import Segment

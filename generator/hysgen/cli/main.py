@@ -25,7 +25,7 @@ from hysgen.cli.console import Console, discard_stdout, folded
 from hysgen.cli.outputs import check_outputs
 from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
 from hysgen.display import WRITTEN_IN, written_in
-from hysgen.errors import HysgenError
+from hysgen.errors import HysgenError, nearest
 from hysgen.machine.files import version
 from hysgen.machine.threads import LIBRARIES, require_room
 
@@ -182,8 +182,6 @@ def _run(words: list[str], program: Program) -> int:
     known = program.names
     names = [words[0]] if words[0] in known else known
     if names is known and not words[0].startswith("-"):
-        from hysgen.record.columns import nearest  # imports NumPy, which --version does without
-
         raise HysgenError(f"{words[0]}: is no verb{nearest(words[0], known)}; {program.name} --help lists them")
     require_room(LIBRARIES)
     _place_matplotlib()
@@ -316,8 +314,6 @@ def project_options(verb: str, parser: argparse.ArgumentParser, known: tuple[str
             if action is not None:
                 given[action.dest] = _converted(action, key, value)
             elif table == verb or "columns" in actions:
-                from hysgen.record.columns import nearest  # imports NumPy, which --help does without
-
                 raise HysgenError(
                     f"{NAME}: [{table}] {key}: hysgen {verb} has no option --{key}{nearest(key, actions)}; "
                     f"see hysgen {verb} --help"

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import Residual, causes, in_ladder_order
 from hysgen.diagnosis.causes.base import Effect
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.prepare import Prepared
 from hysgen.diagnosis.probe import Projector, projector_off, rms
 from hysgen.diagnosis.probe.chain import COMMON
@@ -34,7 +35,7 @@ from hysgen.diagnosis.score import Scored, least_growth
 from hysgen.display import Displayed, Summary, decimal
 from hysgen.model.residual import BLOCKS, dispersion
 from hysgen.record.data import Record
-from hysgen.record.excitation import Excitation, check_for_fit
+from hysgen.record.excitation import check_for_fit
 from hysgen.record.noise import NoiseFloor
 from hysgen.record.series import MEDIAN_TO_DEVIATION, resolution_um
 

@@ -15,11 +15,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from hysgen.codegen import Options, generate, in_quantities, write
-from hysgen.errors import HysgenError
+from hysgen.errors import HysgenError, nearest
 from hysgen.export.base import Draft, Export, Written, component_facts
 from hysgen.model.model import Model
 from hysgen.model.path import preview
-from hysgen.record.columns import nearest
 
 __all__ = ["Export", "export_of", "export_texts", "exports", "write_export"]
 

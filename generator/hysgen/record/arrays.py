@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from hysgen.errors import RecordError
-from hysgen.record.columns import NONE, OWN, Columns, nearest, split_unit
+from hysgen.errors import RecordError, nearest
+from hysgen.record.columns import NONE, OWN, Columns, split_unit
 from hysgen.record.formats import FileArrays, names_of
 from hysgen.record.formats.base import Array, period_in
 from hysgen.record.names import ROLES, WORDS, by_place, guessed, to_paste, words_of

@@ -21,7 +21,6 @@ ACCEPTABLE = ("constant", "saturation", "swapped")
 SHORTEST = 3
 """Samples that a run needs: two steps are the least from which a sampling period and its variation follow."""
 
-
 NO_READING = 1e30
 """Magnitude from which on a number is no reading: SCPI instruments write 9.9e37 for an overload, 9.91e37 for none."""
 
@@ -30,7 +29,6 @@ MARKED = 0.01
 
 LIMITS = frozenset(2.0**bits - less for bits in (15, 16, 31, 32, 63, 64) for less in (0.0, 1.0))
 """Magnitudes at which integers end."""
-
 
 STANDING, JUMP, LEAST_JUMP = 3, 10.0, 0.05
 """Equal readings in a row that stand for none, if they are entered and left by a jump; least jump in usual steps (the
@@ -128,14 +126,10 @@ def check_finite(run: Segment) -> None:
 
 def constant(runs: Sequence[Segment]) -> Iterator[tuple[str, bool, str]]:
     """("constant", True, message) for an input or output that is constant over all runs."""
-    first = runs[0].origin
+    first, sensor = runs[0].origin, "check that the sensor is connected and the right column is named"
     for name, channels, cure in (
         (first.voltage, [run.u_V for run in runs], "drive the stage with a signal that moves"),
-        (
-            first.displacement,
-            [run.y_um for run in runs],
-            "check that the sensor is connected and the right column is named",
-        ),
+        (first.displacement, [run.y_um for run in runs], sensor),
     ):
         if min(values.min() for values in channels) == max(values.max() for values in channels):
             samples = sum(values.size for values in channels)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.display import Quantities
-from hysgen.errors import RecordError
+from hysgen.errors import RecordError, nearest
 
 VOCABULARY: dict[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
 """Words by which columns, units and settings of a file are recognised."""
@@ -240,13 +239,6 @@ class Columns:
             and (unit := self.unit_in_name(role)) is not None
             and unit != self.base(role)
         )
-
-
-def nearest(name: str, there: Iterable[str]) -> str:
-    """The text " (did you mean 'x'?)" with the name in `there` of closest spelling, or "" if none is close."""
-    by_spelling = {one.lower(): one for one in there}
-    close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.6)
-    return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""
 
 
 def plain_unit(unit: str) -> str:

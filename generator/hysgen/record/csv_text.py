@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import io
 import itertools
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hysgen.errors import RecordError
 from hysgen.record.checks import SHORTEST
 from hysgen.record.columns import NONE, Columns, plain_unit, split_unit
-from hysgen.record.formats.base import FileArrays, Text
+from hysgen.record.formats.base import Array, FileArrays, Text
 from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
 from hysgen.record.names import ROLES, by_place, guessed, has_time
@@ -88,13 +88,9 @@ def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, 
             use.append(position)
         elif name and columns.aux is None:
             remarks.append(f"{layout.source}: column {name} holds '{value}', not numbers, and is left out")
-    numbers = numbers_of(layout, use)
-    remarks += numbers.remarks
-    table = {layout.names[position]: numbers.values[:, place] for place, position in enumerate(use)}
-    table = _with_one_time(source, table, columns.time)
-    names = tuple(filter(None, layout.names))
-    file = FileArrays(table, {}, layout.Ts_s, tuple(remarks), names, numbers.locate, numbers.starts)
-    return file, columns
+    file = numbers_of(layout, use)
+    table = _with_one_time(source, file.arrays, columns.time)
+    return replace(file, arrays=table, remarks=(*remarks, *file.remarks)), columns
 
 
 def write_csv(columns: Mapping[str, Sequence[float]]) -> str:
@@ -176,11 +172,11 @@ def _check_named_once(layout: Layout, columns: Columns, given: Columns) -> None:
             )
 
 
-def _with_one_time(source: str, table: dict[str, NDArray[np.float64]], time: str) -> dict[str, NDArray[np.float64]]:
+def _with_one_time(source: str, table: Mapping[str, Array], time: str) -> dict[str, Array]:
     """The table without further columns of the same times. Raises RecordError if their times differ."""
     again = [name for name in table if time in table and name.removeprefix(time)[:1] == "." and name.startswith(time)]
     for name in again:
-        apart = float(np.abs(table[name] - table[time]).max())
+        apart = float(np.abs(np.subtract(table[name], table[time])).max())
         step = float(np.median(np.diff(table[time]))) if table[time].size > 1 else 0.0
         if apart > 0.5 * abs(step):
             raise RecordError(
@@ -229,22 +225,15 @@ MOST_FOOTER_LINES = 40
 CURE = "correct it, or delete the row and read the rest with --split-at-gaps"
 
 
-@dataclass(frozen=True, eq=False)
-class Numbers:
-    """values: (n, columns). locate: row number to "line 12". starts: rows before which the header stands again.
-    remarks: one line for each kind of lines that are no rows."""
+def numbers_of(layout: Layout, use: Sequence[int]) -> FileArrays:
+    """The numbers in the columns `use`, and a remark for each kind of lines that are no rows.
 
-    values: Floats
-    locate: Callable[[int], str]
-    starts: tuple[int, ...] = ()
-    remarks: tuple[str, ...] = ()
-
-
-def numbers_of(layout: Layout, use: Sequence[int]) -> Numbers:
-    """The numbers in the columns `use`. Raises RecordError at the first fault, with its line and column."""
+    Raises RecordError at the first fault, with its line and column.
+    """
+    names, used = tuple(filter(None, layout.names)), [layout.names[position] for position in use]
     values = _compiled(layout, use)
     if values is not None:
-        return Numbers(values, layout.locate)
+        return FileArrays(dict(zip(used, values.T, strict=True)), {}, layout.Ts_s, (), names, layout.locate)
     rows, starts, remarks = _rows(layout, use)
     fields = len(layout.names)
     if len(rows) > 1 and len(rows[-1][1]) < fields == len(rows[-2][1]):
@@ -270,7 +259,8 @@ def numbers_of(layout: Layout, use: Sequence[int]) -> Numbers:
         row, position, first = min(faults, key=lambda entry: entry[:2])
         where = f"{layout.source}: line {rows[row][0]}: {layout.names[position]}"
         raise RecordError(f"{where} is {first}; {first.cure or CURE}")
-    return Numbers(np.column_stack(columns), lambda row: f"line {rows[row][0]}", tuple(starts), tuple(remarks))
+    arrays = dict(zip(used, columns, strict=True))
+    return FileArrays(arrays, {}, layout.Ts_s, tuple(remarks), names, lambda row: f"line {rows[row][0]}", tuple(starts))
 
 
 def _compiled(layout: Layout, use: Sequence[int]) -> Floats | None:

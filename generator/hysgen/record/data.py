@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import math
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +16,7 @@ from hysgen.errors import RecordError
 from hysgen.record.columns import Columns
 from hysgen.record.runs import Content, checked, parts_of_frame
 from hysgen.record.sampling import JITTER
-from hysgen.record.segment import Origin, Segment, digest_of, series_of, with_common_channels
+from hysgen.record.segment import Origin, Segment, digest_of, part_of, series_of, with_common_channels
 from hysgen.record.wrong_readings import are_frequent, bridged_segments, lines_of
 
 LONGEST_PERIOD_S = 100.0
@@ -337,8 +336,7 @@ class Record(Displayed):
 
 def _source_of_rows(source: str, start: int, stop: int) -> str:
     """The name of a part of a source; of a part of a part: `a.csv[10:90]` for rows 10 .. 89 of `a.csv[0:100]`."""
-    part = re.fullmatch(r"(.*)\[(\d+):\d+\]", source)
-    base, first = (part[1], int(part[2])) if part else (source, 0)
+    base, first = part_of(source)
     return f"{base}[{first + start}:{first + stop}]"
 
 

@@ -20,7 +20,6 @@ from hysgen.record.spelling import CANDIDATES, has_label, is_data, is_value, num
 HEADER_LINES = 12
 """Lines above the table among which the header is looked for."""
 
-
 LEAST_ROLES = 2
 """Roles among the words of a comment, divided otherwise than the rows are, from which on they are names, not prose."""
 
@@ -186,7 +185,6 @@ def _alternating(cells: Sequence[Sequence[str]], label: str, fields: int) -> tup
 
 
 _TIME_UNIT = re.compile(r"SampleTime\[(\w+)\]")
-
 
 _NUMBER_AND_NAME = re.compile(
     r"(?:(?:name|columns?|col|channel|ch|field|signal|var)[.\s]*[\[(#]?(\d+)[\])]?\s*[:=.)-]?"

@@ -13,7 +13,7 @@ period or the plateau. Given the residual of a model: `model.residual`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -63,12 +63,11 @@ class NoiseFloor:
 
 def noise_floor(record: Record) -> NoiseFloor:
     """The noise floor of a record by the first method that it allows; 0 if no segment is long enough for any."""
-    methods: Sequence[tuple[Method, list[tuple[float, float]]]] = (
-        ("periods", [piece for segment in record.segments for piece in _periods(segment)]),
-        ("plateaus", [piece for segment in record.segments for piece in _plateaus(segment)]),
-        ("differences", [piece for segment in record.segments for piece in _differences(segment)]),
+    methods: tuple[tuple[Method, Callable[[Segment], Iterator[tuple[float, float]]]], ...] = (
+        *(("periods", _periods), ("plateaus", _plateaus), ("differences", _differences)),
     )
-    for method, pieces in methods:
+    for method, estimated in methods:
+        pieces = [piece for segment in record.segments for piece in estimated(segment)]
         freedom = sum(count for _, count in pieces)
         if freedom >= FEWEST or (method == "differences" and freedom > 0.0):
             return NoiseFloor(math.sqrt(sum(square for square, _ in pieces) / freedom), method, round(freedom))

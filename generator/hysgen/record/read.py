@@ -5,16 +5,12 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from hysgen.errors import RecordError
-from hysgen.record.checks import check_finite
-from hysgen.record.columns import NONE, Columns, nearest
+from hysgen.errors import RecordError, nearest
+from hysgen.record.columns import Columns
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record
 from hysgen.record.formats import FileArrays, Text, open_checked
@@ -55,7 +51,7 @@ def load_record(
         raise RecordError(f"a {type(path).__name__} is no name of a file; give a path, or several") from fault
     records = []
     for one in paths:
-        record = Record.from_segments(*checked(one.name, _content(one, columns), jitter, accept, split_at_gaps))
+        record = Record.from_segments(*checked(one.name, content_of(one, columns), jitter, accept, split_at_gaps))
         records.append(record if len(paths) == 1 else _named_after(record, one.stem))
     if len(records) == 1:
         return records[0]
@@ -70,38 +66,6 @@ def _repeated(paths: Sequence[Path], records: Sequence[Record]) -> Iterator[str]
         if record.digest in seen:
             yield f"{path.name}: holds the same samples as {seen[record.digest].name}; name each record once"
         seen.setdefault(record.digest, path)
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """One quantity over time: time_s (n,) rising, values (n,) in V or um, the file, and remarks for the user."""
-
-    time_s: NDArray[np.float64]
-    values: NDArray[np.float64]
-    source: str
-    remarks: tuple[str, ...]
-
-
-def load_series(
-    path: str | os.PathLike[str], role: Literal["voltage", "displacement"], columns: Columns = DEFAULT
-) -> Series:
-    """The voltage or the displacement of a file that need not hold the other, at any rate, in any format of a record.
-
-    Raises RecordError for a file that cannot be read, a number that is not finite, or times that do not rise.
-    """
-    file, other = Path(path), "voltage" if role == "displacement" else "displacement"
-    read = _content(file, columns.named({other: NONE}))
-    run = read.runs[0]
-    check_finite(run)
-    values = run.y_um if role == "displacement" else run.u_V
-    Ts_s = columns.Ts_s or read.Ts_s
-    if not run.stamps_s.size and Ts_s is None:
-        raise RecordError(f"{file.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
-    time_s = run.stamps_s if run.stamps_s.size else (Ts_s or 0.0) * np.arange(values.size, dtype=np.float64)
-    if values.size < 2 or not (np.diff(time_s) > 0.0).all():
-        row = int(np.argmin(np.diff(time_s))) + 1 if values.size > 1 else 0
-        raise RecordError(f"{file.name}: row {row}: the time does not rise; give two rows or more in the order of time")
-    return Series(time_s, values, file.name, read.remarks)
 
 
 def record_csv(record: Record) -> str:
@@ -145,7 +109,8 @@ def _opened(path: Path) -> Text | FileArrays:
         raise RecordError(f"{path}: cannot be read ({fault.strerror}); check its permissions") from fault
 
 
-def _content(path: Path, columns: Columns) -> Content:
+def content_of(path: Path, columns: Columns) -> Content:
+    """What a file holds, before the checks of time and values."""
     content = _opened(path)
     if not isinstance(content, Text):
         return of_file_arrays(path.name, content, columns)

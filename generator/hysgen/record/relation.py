@@ -344,13 +344,8 @@ LEAST_SHARE, CLEARLY = 0.01, 5.0
 
 def same_row(runs: Sequence[Segment]) -> Iterator[str]:
     """A line for a displacement that answers a step of the voltage in the row of the step."""
-    steps, moves, gains = [], [], []
-    for run in runs:
-        du, d = _own_rows(run)
-        steps.append(du)
-        moves.append(d)
-        gains.append(_gain(run))
-    du, d, gain = np.concatenate(steps), np.concatenate(moves), float(np.mean(gains))
+    du, d = (np.concatenate(parts) for parts in zip(*map(_own_rows, runs), strict=True))
+    gain = float(np.mean([_gain(run) for run in runs]))
     power = float(du @ du)
     if len(du) < FEWEST_STEPS or gain == 0.0:
         return

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.errors import RecordError
+from hysgen.errors import RecordError, nearest
 from hysgen.record.arrays import chosen_arrays, find, key_of
 from hysgen.record.checks import check_finite, check_marks, check_values
-from hysgen.record.columns import Columns, nearest
+from hysgen.record.columns import Columns
 from hysgen.record.derived_channels import left_out
 from hysgen.record.formats import FileArrays
 from hysgen.record.formats.base import Array, Series, collected

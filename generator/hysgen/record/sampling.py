@@ -213,15 +213,14 @@ def mended(run: Segment, time_unit_s: float, unit_um: float) -> tuple[Segment, l
     run, lines = _without_empty_ends(run)
     file = run.origin
     moduli = [count * part * time_unit_s for count in COUNTS for part in FRACTIONS] + [*CLOCKS_S]
-    for name, attribute, found in (
-        (file.time, "stamps_s", _overflow_of_time(run.stamps_s, moduli)),
-        (file.displacement, "y_um", _overflow_of_displacement(run.y_um, unit_um)),
+    for name, attribute, unit, found in (
+        (file.time, "stamps_s", "s", _overflow_of_time(run.stamps_s, moduli)),
+        (file.displacement, "y_um", "um", _overflow_of_displacement(run.y_um, unit_um)),
     ):
         if found is not None:
             modulus, turns = found
             rows = np.flatnonzero(np.diff(turns)) + 1
             more = f" and {rows.size - 1} more rows" if rows.size > 1 else ""
-            unit = "s" if attribute == "stamps_s" else "um"
             lines.append(
                 f"{file.at(int(rows[0]))}: {name} jumps by {modulus:.10g} {unit}, the overflow of a counter, in this"
                 f"{more or ' row'}; it is continued there"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -31,6 +32,12 @@ class Origin:
     def at(self, row: int) -> str:
         """File and row, with which a message begins."""
         return f"{self.source}: {self.locate(row)}"
+
+
+def part_of(source: str) -> tuple[str, int]:
+    """The whole and the first row of a part of a source, as `a.csv[20:80]`."""
+    part = re.fullmatch(r"(.*)\[(\d+):\d+\]", source)
+    return (part[1], int(part[2])) if part else (source, 0)
 
 
 NO_STAMPS: NDArray[np.float64] = np.zeros(0)
@@ -138,12 +145,10 @@ def with_common_channels(segments: Sequence[Segment]) -> tuple[tuple[Segment, ..
     shared = [key for key in segments[0].aux if all(key in segment.aux for segment in segments)]
     if all(len(segment.aux) == len(shared) for segment in segments):
         return tuple(segments), []
-    everything = dict.fromkeys(key for segment in segments for key in segment.aux)
     lines = []
-    for key in everything:
-        if key not in shared:
-            lacking = next(segment.name for segment in segments if key not in segment.aux)
-            lines.append(f"channel {key} is left out because segment {lacking} lacks it; add it there to use it")
+    for key in dict.fromkeys(key for segment in segments for key in segment.aux if key not in shared):
+        lacking = next(segment.name for segment in segments if key not in segment.aux)
+        lines.append(f"channel {key} is left out because segment {lacking} lacks it; add it there to use it")
     return tuple(_with_aux(segment, shared) for segment in segments), lines
 
 

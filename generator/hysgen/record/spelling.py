@@ -182,7 +182,6 @@ CANDIDATES = ("\t", ";", ",", "|", " ")
 RULER = re.compile(r"[\s|+:=,;-]*[-=]{3}[\s|+:=,;-]*|\|(?:\s*:?-+:?\s*\|)+\s*")
 """A line drawn under a header."""
 
-
 _SPREADSHEET = re.compile(r"#(?:DIV/0!|N/A|REF!|VALUE!|NUM!|NULL!|NAME\?|#+)(?=\s*(?:[,;\t|]|$)| +[-+\d.])")
 """What a spreadsheet puts for a value that it cannot compute or show; it is a cell, and no comment."""
 

@@ -11,14 +11,13 @@ Many such rows are the character of a signal, and stay.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.record.segment import Segment
+from hysgen.record.segment import Segment, part_of
 from hysgen.record.series import MEDIAN_TO_DEVIATION, resolution_um
 
 Floats = NDArray[np.float64]
@@ -126,8 +125,7 @@ def bridged_segments(segments: Sequence[Segment], Ts_s: float) -> tuple[list[Seg
 
 def lines_of(source: str, found: Sequence[WrongReading]) -> tuple[str, ...]:
     """A line for each wrong reading of a record; rows are those of the whole record, also for a part "a.csv[20:80]"."""
-    part = re.fullmatch(r"(.*)\[(\d+):\d+\]", source)
-    name, first = (part[1], int(part[2])) if part else (source, 0)
+    name, first = part_of(source)
     lines = [
         f"{name}: row {first + one.row}: the displacement is {one.value_um:.6g} um, "
         f"{abs(one.value_um - one.bridged_um):.4g} um off its neighbours: a wrong reading, left out"

@@ -18,9 +18,8 @@ from importlib import metadata
 from typing import Any, Protocol
 
 from hysgen.codegen.operations.cycles import Weights
-from hysgen.errors import HysgenError
+from hysgen.errors import HysgenError, nearest
 from hysgen.model.model import Model
-from hysgen.record.columns import nearest
 
 Figures = Mapping[str, Mapping[str, int]]
 """Function, "all" or "data" -> name of the figure -> its value."""

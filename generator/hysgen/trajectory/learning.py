@@ -29,11 +29,10 @@ from hysgen.feedback.stage import stage as stage_of
 from hysgen.model.model import Model
 from hysgen.model.residual import residual_noise
 from hysgen.record import Record
-from hysgen.record.read import Series
 from hysgen.trajectory.inverse import own_response
 from hysgen.trajectory.limits import Limits, limits_of
 from hysgen.trajectory.plan import Learning, Waveform, lead_samples, plan
-from hysgen.trajectory.reference import Sampled, at_rate
+from hysgen.trajectory.reference import Sampled, Series, at_rate
 
 Floats = NDArray[np.float64]
 

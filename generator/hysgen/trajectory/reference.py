@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
-from hysgen.errors import ModelError
+from hysgen.errors import ModelError, RecordError
 from hysgen.model.model import Model
 from hysgen.model.simulate import rest_um, series
-from hysgen.record.columns import Columns
-from hysgen.record.read import Series, load_series
+from hysgen.record.checks import check_finite
+from hysgen.record.columns import NONE, Columns
+from hysgen.record.read import content_of
 from hysgen.record.runs import DEFAULT
 
 Floats = NDArray[np.float64]
@@ -84,6 +85,38 @@ def reference_of(
     if isinstance(given, str) and given in FORMS and not Path(given).exists():
         return _of_form(model, given, form)
     return series_of(given, "displacement", columns, model.Ts_s)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One quantity over time: time_s (n,) rising, values (n,) in V or um, the file, and remarks for the user."""
+
+    time_s: NDArray[np.float64]
+    values: NDArray[np.float64]
+    source: str
+    remarks: tuple[str, ...]
+
+
+def load_series(
+    path: str | os.PathLike[str], role: Literal["voltage", "displacement"], columns: Columns = DEFAULT
+) -> Series:
+    """The voltage or the displacement of a file that need not hold the other, at any rate, in any format of a record.
+
+    Raises RecordError for a file that cannot be read, a number that is not finite, or times that do not rise.
+    """
+    file, other = Path(path), "voltage" if role == "displacement" else "displacement"
+    read = content_of(file, columns.named({other: NONE}))
+    run = read.runs[0]
+    check_finite(run)
+    values = run.y_um if role == "displacement" else run.u_V
+    Ts_s = columns.Ts_s or read.Ts_s
+    if not run.stamps_s.size and Ts_s is None:
+        raise RecordError(f"{file.name}: has no time and no sampling period; give --columns Ts_s=SECONDS")
+    time_s = run.stamps_s if run.stamps_s.size else (Ts_s or 0.0) * np.arange(values.size, dtype=np.float64)
+    if values.size < 2 or not (np.diff(time_s) > 0.0).all():
+        row = int(np.argmin(np.diff(time_s))) + 1 if values.size > 1 else 0
+        raise RecordError(f"{file.name}: row {row}: the time does not rise; give two rows or more in the order of time")
+    return Series(time_s, values, file.name, read.remarks)
 
 
 def series_of(

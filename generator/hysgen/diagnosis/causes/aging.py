@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature, comes_back
 from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors, whitened_fit
 from hysgen.model.part import STEP
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

@@ -16,12 +16,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
 from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

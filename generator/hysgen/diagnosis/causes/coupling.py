@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.probe import Chain, Fit, standard_errors
 from hysgen.model.disturbances.coupling import Coupling
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -22,7 +23,6 @@ from hysgen.diagnosis.probe import (
     whitened_fit,
 )
 from hysgen.model.path.creep import Creep
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

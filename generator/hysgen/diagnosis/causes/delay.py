@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, standard_errors
 from hysgen.model.path.delay import LEAST_FITTED, MOST_FITTED, Delay
-from hysgen.record.excitation import Excitation
 
 
 class DelayCause(Cause):

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.creep import CreepPart
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -32,7 +33,6 @@ from hysgen.diagnosis.probe import (
 from hysgen.display import decimal
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.model import Model
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

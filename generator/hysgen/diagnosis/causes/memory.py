@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature, turns
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Scene
@@ -18,7 +19,6 @@ from hysgen.fitting.operator import PathSize
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.model import Model
-from hysgen.record.excitation import Excitation
 from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]

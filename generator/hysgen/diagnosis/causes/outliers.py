@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
 from hysgen.display import decimal
 from hysgen.model.residual import LEAST_DEVIATION, local_scatter
-from hysgen.record.excitation import Excitation
 from hysgen.record.series import MEDIAN_TO_DEVIATION
 from hysgen.record.wrong_readings import are_frequent
 

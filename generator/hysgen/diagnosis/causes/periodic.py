@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
 from hysgen.display import decimal
 from hysgen.model.disturbances.periodic import FEWEST_PERIODS, Periodic, same_phase
-from hysgen.record.excitation import Excitation
 from hysgen.record.series import period_of
 
 Floats = NDArray[np.float64]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -30,7 +31,6 @@ from hysgen.diagnosis.probe import (
 from hysgen.errors import FitError
 from hysgen.fitting.structure import ModalForm, identify_structure, structure_parts
 from hysgen.model.path.modes import MODE, Modes
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

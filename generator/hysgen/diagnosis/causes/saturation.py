@@ -16,9 +16,9 @@ from hysgen.diagnosis.causes.base import (
     Residual,
     Signature,
 )
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
 from hysgen.model.path.saturation import Saturation
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

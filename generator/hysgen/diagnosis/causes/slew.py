@@ -15,10 +15,10 @@ from hysgen.diagnosis.causes.base import (
     Signature,
     limited_rows,
 )
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, Scene, standard_errors
 from hysgen.model.path.slew import Slew
-from hysgen.record.excitation import Excitation
 
 QUANTILES = (0.3, 0.5, 0.65, 0.77, 0.85, 0.9, 0.935, 0.96, 0.975, 0.985, 0.992, 0.997, 0.999)
 """Quantiles of the command's rates that are the starting values of the limit; two or three edges are 0.2 % of a log."""

@@ -99,7 +99,6 @@ def _is_hdf5(path: Path, head: bytes) -> bool:
 
 FORMAT = Format("hdf5", _is_hdf5, read_hdf5, after=("mat",))
 
-
 UNITS = ("varUnits", "VariableUnits")
 """Attributes of a timetable and of a table that hold the units of its columns."""
 

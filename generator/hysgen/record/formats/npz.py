@@ -41,10 +41,7 @@ def read_npz(path: Path) -> FileArrays:
 
 
 def _read_npy(path: Path) -> FileArrays:
-    try:
-        array = np.load(path, allow_pickle=False)
-    except (ValueError, OSError, EOFError) as fault:
-        raise RecordError(f"{path.name}: cannot be read ({fault}); save an array of plain numbers") from fault
+    array = np.load(path, allow_pickle=False)
     if array.dtype.names:
         return FileArrays({name: array[name] for name in array.dtype.names})
     if array.ndim != 2:
