@@ -42,8 +42,8 @@ class TargetError(HysgenError):
     """A C674x program violates a rule of the processor, or uses a feature that the simulator does not model."""
 
 
-def nearest(name: str, there: Iterable[str]) -> str:
-    """The text " (did you mean 'x'?)" with the name in `there` of closest spelling, or "" if none is close."""
-    by_spelling = {one.lower(): one for one in there}
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The text " (did you mean 'x'?)" with the known name of closest spelling, or "" if none is close."""
+    by_spelling = {word.lower(): word for word in known}
     close = difflib.get_close_matches(name.lower(), by_spelling, n=1, cutoff=0.6)
     return f" (did you mean '{by_spelling[close[0]]}'?)" if close else ""

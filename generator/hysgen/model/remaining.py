@@ -30,9 +30,8 @@ from numpy.typing import NDArray
 
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen.model.residual import BLOCKS, dispersion, outlier_flags, residual_noise
 from hysgen.record.series import resolution_um
-from hysgen.model.residual import BLOCKS, dispersion, residual_noise
-from hysgen.model.residual import outlier_flags
 
 Floats = NDArray[np.float64]
 

@@ -133,7 +133,7 @@ def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:
     rows = every[:50]
     for at, name in enumerate(layout.names):
         held = sorted({fields[at] for fields in rows if at < len(fields)})
-        cells = [fields[at] for fields in every if at < len(fields)]
+        cells = [fields[at] for fields in every if at < len(fields)] or [""]
         blocks = [key for key, _ in itertools.groupby(cells)]
         again = cells.index(cells[0], 1) if cells[0] in cells[1:] else len(cells)
         repeats = SHORTEST <= again == len(set(cells)) < len(cells) and cells == (cells * 2)[again : again + len(cells)]

@@ -122,7 +122,9 @@ def as_table(source: str, text: str) -> tuple[str, tuple[str, ...]]:
     head = _head(text[: 4096 * LOOKED_AT].split("\n"))
     for recognised, rewritten, what in FORMS:
         if head and recognised(head):
-            text, remarks = rewritten(text), (f"{source}: {what}",)
+            bare = text.lstrip()
+            text = "\n" * text.count("\n", 0, len(text) - len(bare)) + rewritten(bare)
+            remarks = (f"{source}: {what}",)
             break
     lines = [line.strip() for line in text.split("\n")]
     head = _head(lines)
