@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import Context, Decimal, localcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,6 +18,7 @@ from hysgen.certify.enclosure import (
     Cells,
     Series,
     _peak,
+    _relative_error,
     _tail,
     gain,
     gain_series,
@@ -57,7 +59,7 @@ def test_the_peak_of_a_polynomial_is_bounded_by_its_quadratic_part_and_the_rest(
 ) -> None:
     c = np.zeros((1, ORDER))
     c[0, :5] = [*head, 0.25, -0.5]
-    value, bound, place = _peak(Series(c, np.array([0.01])), np.array([half]), absolute)
+    value, bound, place = _peak(Series(c, np.array([0.01]), np.abs(c)), np.array([half]), absolute)
     quadratic = head[0] + head[1] * at + head[2] * at * at
     assert place == pytest.approx(at)
     assert value == pytest.approx(abs(quadratic + 0.25 * at**3 - 0.5 * at**4))
@@ -88,6 +90,39 @@ def test_the_series_of_gain_and_slope_hold_within_their_remainders(seed: int) ->
         assert found[gain].remainder == pytest.approx(gamma / delta * tail)
         opposite = gain_series(model, -1.0)(cells)
         np.testing.assert_allclose(opposite.coefficients, -found[gain].coefficients, rtol=1e-12)
+
+
+def moment(p: list[Decimal], k: int, g: list[Decimal]) -> Decimal:
+    """sum p_l g_l l^k / k! over sum p_l."""
+    return sum((x * y * rule**k for rule, (x, y) in enumerate(zip(p, g, strict=True))), Decimal(0)) / (
+        sum(p) * math.factorial(k)
+    )
+
+
+@pytest.mark.parametrize("rules", [2, 6, 50])
+def test_rounding_of_the_series_is_within_what_the_bounds_allow_for(rules: int) -> None:
+    """Against 80 digits: the series of sum p_l (v_l + t r_l) e^(t l) over sum p_l e^(t l), at exactly these places."""
+    model = random_model(3, rules=rules, wild=3.0)
+    cells = Cells(np.linspace(*model.grid.places, 5), np.full(5, 1.0 / 16.0), np.full(5, 37.0))
+    step, first = Decimal(model.grid.step_um), Decimal(float(model.grid.ends_um[0]))
+    q1, q2, q3 = ([Decimal(float(x)) for x in column] for column in model.consequents.T)
+    worst, ones = [], [Decimal(1)] * rules
+    for rising, series in ((0, gain_series(model)(cells)), (step, slope_series(model)(cells))):
+        for place, found, magnitude in zip(cells.middle, series.coefficients, series.magnitude, strict=True):
+            with localcontext(Context(prec=80)):
+                s = Decimal(float(place))
+                p = [(-((s - rule) ** 2) / 2).exp() for rule in range(rules)]
+                v = [a * (first + step * s) + b * 37 + c for a, b, c in zip(q1, q2, q3, strict=True)] if rising else q2
+
+                exact: list[Decimal] = []
+                for k in range(ORDER + 1):
+                    before = sum((moment(p, j, ones) * exact[k - j] for j in range(1, k + 1)), Decimal(0))
+                    exact.append(moment(p, k, v) + (rising * moment(p, k - 1, q1) if k else 0) - before)
+                slopes = [(k + 1) * exact[k + 1] / step for k in range(ORDER)] if rising else exact[:ORDER]
+                worst += [
+                    abs(float(Decimal(float(a)) - b)) / c for a, b, c in zip(found, slopes, magnitude, strict=True)
+                ]
+    assert 1e-5 * _relative_error(model) < max(worst) < _relative_error(model)
 
 
 def test_contraction_ends_where_the_slope_of_two_rules_reaches_one() -> None:

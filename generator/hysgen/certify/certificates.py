@@ -30,9 +30,7 @@ SMALLEST_GAIN_RATIO = 0.01
 """Smallest ratio of the least |b| to the largest |b| for which the inverse is certified."""
 
 DIGITS = 12
-"""Significant digits of every bound, rounded outward, so that it remains a bound. A sum of a hundred float64 numbers
-has an error of 1e-14 of the largest; gain and slope of rules that nearly cancel are a hundredth of the largest, so 12
-digits are exact."""
+"""Significant digits of every bound, rounded outward, so that it remains a bound."""
 
 
 @dataclass(frozen=True, repr=False)

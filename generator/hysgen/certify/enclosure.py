@@ -15,12 +15,18 @@ from the moments sum p_l o_l^k g_l. Their remainder is bounded by Cauchy's estim
 
 hence the k-th coefficient of G/D is at most gamma/delta rho^-k. In a cell the extremum of the quadratic part is exact,
 and the higher terms are bounded by their absolute values. Cells that may contain the extremum are split until the
-enclosure has the requested width. df/dy is affine in w, so its extrema over w are at the ends of its range. The
-bounds do not include rounding, about 1e-15 of the largest v_l.
+enclosure has the requested width. df/dy is affine in w, so its extrema over w are at the ends of its range.
+
+The bounds include rounding. c and the E[l] of o_l may be any numbers, so they may be rounded ones. What is left are
+sums and products of the p_l, whose relative error is known (`_relative_error`), and of exact numbers: where each
+factor of a term has a relative error of at most e, and a term at most n of them, the sum is off by at most n e times
+the sum of the magnitudes of its terms, which the same recursion gives with every sign positive (`Series.magnitude`).
+Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), chapter 3.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from collections.abc import Callable
@@ -43,6 +49,10 @@ CELLS_PER_RULE = 8
 ORDER = 12
 RHO = 0.8
 MOST_CELLS = 200_000
+UNIT = 2.0**-53
+"""Relative error of one float64 operation."""
+FARTHEST = 39.0
+"""Distance from a rule, in steps of the grid, beyond which its strength is 0 in float64."""
 
 
 @dataclass(frozen=True)
@@ -79,10 +89,14 @@ class Cells:
 
 @dataclass(frozen=True)
 class Series:
-    """A function over cells: Taylor coefficients (n, ORDER) about the middle, and a bound (n,) of the remainder."""
+    """A function over cells: Taylor coefficients (n, ORDER) about the middle, and a bound (n,) of the remainder.
+
+    magnitude: the coefficients with the sums of magnitudes in place of sums, (n, ORDER).
+    """
 
     coefficients: Floats
     remainder: Floats
+    magnitude: Floats
 
 
 Quantity = Callable[[Cells], Series]
@@ -121,9 +135,12 @@ def gain_series(model: Model, sign: float = 1.0) -> Quantity:
 
     def quantity(cells: Cells) -> Series:
         firing = _Firing(model, cells.middle)
-        mean, quotient, size = firing.expectation(sign * np.tile(model.consequents[:, 1], (cells.middle.size, 1)), 0.0)
+        g = sign * np.tile(model.consequents[:, 1], (cells.middle.size, 1))
+        mean, quotient, size = firing.expectation(g, 0.0)
+        magnitude = firing.magnitude(np.abs(g) + np.abs(mean)[:, None], np.zeros_like(g))
         quotient[:, 0] += mean
-        return Series(quotient[:, :ORDER], size * _tail(cells.half / RHO, 0))
+        magnitude[:, 0] += np.abs(mean)
+        return Series(quotient[:, :ORDER], size * _tail(cells.half / RHO, 0), magnitude[:, :ORDER])
 
     return quantity
 
@@ -137,10 +154,15 @@ def slope_series(model: Model) -> Quantity:
         firing = _Firing(model, cells.middle)
         y = model.grid.ends_um[0] + h * cells.middle
         v = q1 * y[:, None] + q2 * cells.w[:, None] + q3
-        _, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
+        mean, quotient, size = firing.expectation(v, h * np.broadcast_to(q1, v.shape))
         slopes = quotient[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
         slopes[:, 0] += product(firing.p, q1)
-        return Series(slopes, size / (RHO * h) * _tail(cells.half / RHO, 1))
+        most_um = np.abs(model.grid.ends_um).max() + h * model.grid.rules
+        most = np.abs(q1) * most_um + np.abs(q2) * np.abs(cells.w)[:, None] + np.abs(q3) + np.abs(mean)[:, None]
+        own = product(firing.p, np.abs(q1))
+        magnitude = firing.magnitude(most, h * (np.abs(q1) + own[:, None]))[:, 1:] * np.arange(1.0, ORDER + 1.0) / h
+        magnitude[:, 0] += own
+        return Series(slopes, size / (RHO * h) * _tail(cells.half / RHO, 1), magnitude)
 
     return quantity
 
@@ -176,10 +198,22 @@ class _Firing:
             G[1:] += product(self.moments[:-1], rising)
             most = most + RHO * np.abs(rising)
         D = total(self.moments)
-        quotient = np.empty_like(G)
-        for k in range(ORDER + 1):
-            quotient[k] = G[k] - total(D[1 : k + 1] * quotient[:k][::-1], axis=0)
-        return mean, quotient.T.copy(), product(self.most, most) / self.delta
+        return mean, _quotient(G, -D), product(self.most, most) / self.delta
+
+    def magnitude(self, g: Floats, rising: Floats) -> Floats:
+        """(n, ORDER + 1): sums of the magnitudes of all terms of the series of G/D, for numbers up to g and rising."""
+        moments = np.abs(self.moments)
+        G = product(moments, g)
+        G[1:] += product(moments[:-1], rising)
+        return _quotient(G, total(moments))
+
+
+def _quotient(G: Floats, D: Floats) -> Floats:
+    """(n, ORDER + 1): coefficients of G/(1 - D_1 t - D_2 t^2 - ...), of those of G and D, (ORDER + 1, n) each."""
+    quotient = np.empty_like(G)
+    for k in range(ORDER + 1):
+        quotient[k] = G[k] + total(D[1 : k + 1] * quotient[:k][::-1], axis=0)
+    return quotient.T.copy()
 
 
 def _tail(x: Floats, derivative: int) -> Floats:
@@ -188,6 +222,23 @@ def _tail(x: Floats, derivative: int) -> Floats:
     if derivative == 0:
         return np.asarray(power / (1.0 - x))
     return np.asarray(power * (ORDER + 1.0 - ORDER * x) / ((1.0 - x) * (1.0 - x)))
+
+
+def _misplaced(model: Model) -> float:
+    """Largest error of a place s and of a distance from a rule, in steps of the grid: eight operations on y and s."""
+    grid = model.grid
+    return float(8.0 * UNIT * (np.abs(grid.ends_um).max() / grid.step_um + grid.rules))
+
+
+def _relative_error(model: Model) -> float:
+    """Of a term of the coefficients: at most ORDER + 2 factors, each a sum over the rules and a firing strength.
+
+    exp(-d^2/2) is off by d times the error of d, eight operations of d^2/2 and that of exp; its share by L more.
+    """
+    rules = model.grid.rules
+    distance = min(FARTHEST, float(rules))
+    strength = UNIT * (4.0 * distance * distance + rules + 16.0) + distance * _misplaced(model)
+    return 1.01 * (ORDER + 2) * (strength + UNIT * (2.0 * rules + 2.0 * ORDER + 16.0))
 
 
 def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow: float, absolute: bool) -> Extremum:
@@ -202,8 +253,12 @@ def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow
         np.repeat(np.asarray(inputs, dtype=np.float64), count),
     )
     best, place, excluded = -np.inf, (0.0, 0.0), -np.inf
+    off, beside = _relative_error(model), 8.0 * _misplaced(model)
     while True:
-        value, bound, at = _peak(quantity(cells), cells.half, absolute)
+        reached = dataclasses.replace(cells, half=cells.half + beside)
+        value, bound, at = _peak(series := quantity(reached), reached.half, absolute)
+        # delta is above a quarter: gamma/delta is off by no more than 16 times a sum.
+        bound = bound + off * (_polynomial(series.magnitude, reached.half) + 16.0 * series.remainder)
         top = int(np.argmax(value))
         if value[top] > best:
             best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.w[top]))
