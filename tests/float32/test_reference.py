@@ -16,6 +16,7 @@ from hysgen.float32.reference.instance import Instance, rule_sums, strengths, wi
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.base import TOLERANCE
+from hysgen.model.path.modes import Modes
 from hysgen.model.regression import memberships, rule_regressors
 from hysgen.model.structs import COUNTERS, Status
 
@@ -114,6 +115,22 @@ def test_inverse_leaves_the_state_that_the_prediction_under_its_input_leaves() -
     forward.predict(y, u)
     for name in ("y_um", "u_V", *(name for name in forward.words() if name.startswith("inputs"))):
         np.testing.assert_array_equal(backward.words()[name], forward.words()[name])
+
+
+def test_the_inverse_follows_from_its_own_displacement_though_it_omits_a_mode() -> None:
+    """Eq. (11) behind a mode without a stable inverse; fed back with its ringing, the voltage ran from end to end."""
+    keep = float(np.exp(-0.2))
+    mode = Modes((800.0,), (0.01,), (1.06,), 1e-4)
+    model = Model(
+        "ringing", 2e-5, Grid(-40.0, 140.0, 4), np.tile([keep, 1.0 - keep, 0.0], (4, 1)), -20.0, 120.0, blocks=(mode,)
+    )
+    assert not mode.solves(model.Ts_s)
+    asked_um = (50.0 - 30.0 * np.cos(2.0 * np.pi * 20.0 * 2e-5 * np.arange(5000.0))).astype(np.float32)
+    run = instance(model, 20.0, 20.0)
+    u_V = np.array([run.inverse(run.y_um, asked_um[k : k + 1])[0] for k in range(5000)], dtype=np.float64)
+    assert run.status[0] == 0
+    # A mode lags by (20/800)^2 of 30 um, and rings by as much again.
+    assert np.abs(model.simulate(u_V)[1:] - asked_um[:-1]).max() < 3.0 * 30.0 * (20.0 / 800.0) ** 2
 
 
 def test_unreachable_reference_is_flagged_and_reachable_one_is_not() -> None:

@@ -41,9 +41,10 @@ class PathLimits:
 class PathInverse:
     """What the inverse of the path finds, (lanes,) each.
 
-    u_V: command. w: input of the rules that follows. u_clamped: v lay outside the allowed interval. unreachable: w
-    lay outside its range, or a limit kept the stage from it. residual: w is missed by more than the tolerance although
-    no limit acted.
+    u_V: command. w: input of the rules that follows, of the path without the responses that the inverse omits: fed back
+    through Eq. (11), their ringing would drive the stage to its limits. u_clamped: v lay outside the allowed interval.
+    unreachable: w lay outside its range, or a limit kept the stage from it. residual: w is missed by more than the
+    tolerance although no limit acted.
     """
 
     u_V: Floats32
@@ -118,7 +119,8 @@ class ChainMirror:
         missed = (met - target > limits.w_tolerance) | (target - met > limits.w_tolerance)
         at_end = (v <= low_V) | (v >= high_V)
         missed &= bool(responses)
-        return PathInverse(u, reached, clamped, held | (missed & at_end), missed & ~(held | at_end))
+        followed = reached if all(self._solves) else self._inside(wanted + (met - target))
+        return PathInverse(u, followed, clamped, held | (missed & at_end), missed & ~(held | at_end))
 
     def state(self) -> list[Words]:
         """Every 32-bit word of the C struct of the inputs, in its order; empty without blocks."""
