@@ -113,6 +113,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {
     "JSON, rows": ("json", json_rows),
     "JSON, split": ("json", json_split),
     "JSON of pandas": ("json", json_of_pandas),
+    "JSON, numbers in quotes": ("json", lambda path: json_of(path, {k: list(map(str, v)) for k, v in COLUMNS.items()})),
     "JSON, arrays and a rate": ("json", json_with_a_period),
 }
 

@@ -31,8 +31,8 @@ def read(folder: Path, content: str, columns: str = "", name: str = "log.txt") -
 
 OTHER_UNITS = re.findall(
     r"\S+",
-    "inch in count counts cnt cts raw adc lsb percent urad mrad mdeg px pix steps ticks dig norm a.u. au fringes deg "
-    "Hz mils uin rev ppm Counts %",
+    "inch in count counts cnt cts raw adc lsb lsb16 urad mrad mdeg px pix steps ticks dig norm a.u. au fringes deg "
+    "percent Hz mils uin rev ppm Counts %",
 )
 
 

@@ -76,9 +76,8 @@ def test_a_header_that_stands_again_parts_a_run_unless_the_time_goes_on() -> Non
     again = {**columns, "t": np.concatenate([K[:5], K[:7]])}
     parts = runs_of_arrays("f", table(again, (5,)), CHOSEN)
     assert [(part.name, len(part.u_V)) for part in parts] == [("0", 5), ("1", 7)]
-    untimed = {"u": K, "y": K}
     period = Columns(time="", voltage="u", displacement="y", Ts_s=1.0)
-    assert len(runs_of_arrays("f", table(untimed, (5,)), period, 1.0)) == 2
+    assert len(runs_of_arrays("f", table({"u": K, "y": K}, (5,)), period, 1.0)) == 2
 
 
 def test_segment_numbers_part_a_run_and_come_back_to_no_earlier_one() -> None:

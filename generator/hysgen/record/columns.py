@@ -283,7 +283,7 @@ _ENDING = re.compile(r"(.+?)(?:(?:_|\s*/\s*|\s+in\s+|\s+)([^\s_/]+)|(?<=[a-z])(?
 """A name and what may be its unit: x_nm, x / nm, x in nm, x nm, positionCounts."""
 
 _OTHER_UNITS = re.compile(
-    r"(?i:counts?|cnts?|cts|raw|adc|dac|\d*(?:lsbs?|bits?)|codes?|digits?|dig|pulses|ticks?|steps?|px|pix|pixels?"
+    r"(?i:counts?|cnts?|cts|raw|adc|dac|\d*(?:lsbs?|bits?)\d*|codes?|digits?|dig|pulses|ticks?|steps?|px|pix|pixels?"
     r"|fringes?|orders?|revs?|turns|per_?cent|pct|pp[mb]|%|%fs|fs|norm|normali[sz]ed|a\.?u\.?|arb|in|thou|mils?|ft|feet"
     r"|yards?|[um\N{MICRO SIGN}]in|(?:[num\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}ckM]|micro|milli|nano|kilo|mega)?"
     r"(?:rad|deg|grad|hz|bar|psi|ohm|strain|eps|newton|amps?|inch(?:es)?|watt|counts?|pascal|radians?|degrees?)"

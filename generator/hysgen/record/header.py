@@ -79,6 +79,8 @@ def matching(line: str, start: Start) -> tuple[str, ...]:
         fields = split_header(line, separator)
         if len(fields) == start.fields + 1 and (not fields[-1] or fields[-1].lower() == "comment"):
             fields = fields[:-1]
+        elif len(fields) == start.fields + 1 and not fields[0]:
+            fields = fields[1:]  # behind a semicolon that marks a comment
         if len(fields) == start.fields - 1 and separator == start.separator:
             fields = (*fields, "")
         if len(fields) == start.fields and any(fields):

@@ -20,6 +20,7 @@ from hysgen.record.header import (
     below_header,
     header,
     labels_names,
+    matching,
     preamble_of,
     unique,
     units_by_name,
@@ -134,16 +135,14 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
 
 def _below(lines: list[str], columns: Columns, at: int, separator: str) -> tuple[Start, tuple[str, ...]]:
     """The first row below a header in line `at`, which may not be sound, and the names."""
-    names = unique(split_header(lines[at], separator))
     last = below_header(lines, at, separator)
     row = next((split(line, separator) for line in lines[last + 1 :] if is_data(line)), [])
-    if len(names) == len(row) + 1 and names[-1].lower() in ("", "comment"):
-        names = names[:-1]  # the column of remarks of LabVIEW, which rows leave out
-    elif len(names) == len(row) - 1 and not row[-1]:
-        names = (*names, "")  # a separator behind every row
     numbers = _first_numbers(lines[last + 1 :], columns, separator)
     comma = columns.decimal == "," if numbers is None else numbers.comma
-    return Start(last + 1, separator, comma, len(names)), names
+    names = split_header(lines[at], separator)
+    if len(names) != len(row) - 1 or not row[-1]:
+        names = matching(lines[at], Start(last + 1, separator, comma, len(row))) or names
+    return Start(last + 1, separator, comma, len(names)), unique(names)
 
 
 def _named_header(lines: list[str], columns: Columns, given: str | None) -> tuple[int, str] | None:

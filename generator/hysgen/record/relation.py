@@ -306,16 +306,12 @@ def scale(runs: Sequence[Segment]) -> Iterator[str]:
     """A line for a stroke that no piezo stage has: the unit of the displacement is in doubt."""
     name = f"{runs[0].origin.source}: {runs[0].origin.displacement}"
     stroke_um = max(float(one.y_um.max()) for one in runs) - min(float(one.y_um.min()) for one in runs)
-    if stroke_um > LONGEST_STROKE_UM:
-        yield (
-            f"{name} spans {stroke_um:.4g} um, more than a piezo stage moves; if it is in nm, give "
-            "--columns displacement_unit=nm"
-        )
-    elif 0.0 < stroke_um < SHORTEST_STROKE_UM:
-        yield (
-            f"{name} spans {stroke_um:.3g} um, less than the noise of a sensor; if it is in mm "
-            "or m, give --columns displacement_unit=mm"
-        )
+    for doubtful, what, unit in (
+        (stroke_um > LONGEST_STROKE_UM, "more than a piezo stage moves; if it is in nm", "nm"),
+        (0.0 < stroke_um < SHORTEST_STROKE_UM, "less than the noise of a sensor; if it is in mm or m", "mm"),
+    ):
+        if doubtful:
+            yield f"{name} spans {stroke_um:.4g} um, {what}, give --columns displacement_unit={unit}"
 
 
 def rate(source: str, Ts_s: float) -> Iterator[str]:

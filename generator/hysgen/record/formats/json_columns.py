@@ -31,11 +31,11 @@ def read_json(path: Path) -> FileArrays:
     arrays = {}
     for name, values in _columns(content).items():
         try:
-            # null, which JSON has for NaN, becomes NaN among numbers
+            # null, which JSON has for NaN, becomes NaN among numbers; numbers may stand in quotes
             array = np.asarray(values)
-            if array.dtype.kind == "O" and {*map(type, array.ravel())} <= {int, float, type(None)}:
+            if array.ndim == 1 and array.dtype.kind in "OU":
                 array = array.astype(np.float64)
-        except ValueError:  # rows of unequal length
+        except (ValueError, TypeError):  # rows of unequal length, words, lists
             continue
         if array.dtype.kind in "fiub" and array.ndim <= 1:
             arrays[str(name)] = array
