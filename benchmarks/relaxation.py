@@ -14,7 +14,7 @@ import argparse
 
 import numpy as np
 
-from hysgen.diagnosis.causes.memory import SIZES
+from hysgen.diagnosis.causes.hysteresis import SIZES
 from hysgen.display import table
 from hysgen.fitting import FitSettings, fit
 from hysgen.fitting.operator import RELAXING

@@ -31,8 +31,8 @@ from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.relaxation import RelaxationPart
-from hysgen.diagnosis.causes.unknown import CAUSE, SuddenPart
+from hysgen.diagnosis.causes.hysteresis import RelaxationPart
+from hysgen.diagnosis.causes.unknown import SuddenPart, UnknownCause
 from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine, rms, whitened_fit
@@ -64,7 +64,7 @@ def test_jumps_below_the_misfit_are_evident_between_two_samples() -> None:
 
     def evidence(more_um: Floats, *times_s: float) -> float:
         seen = scene(LAG, more_um)
-        return CAUSE.evidence(seen, refine(seen, LAG.having(SuddenPart(times_s))))
+        return UnknownCause().evidence(seen, refine(seen, LAG.having(SuddenPart(times_s))))
 
     assert evidence(bent_um + stairs_um, *planted_s) > 3.0 * LEAST_EVIDENCE
     assert evidence(bent_um + stairs_um, 1.4) == 0.0

@@ -8,7 +8,7 @@ import pytest
 from fixtures.bank_records import known
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.causes.drift import Trend
-from hysgen.diagnosis.causes.memory import SIZES
+from hysgen.diagnosis.causes.hysteresis import SIZES
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import add_online_parts, fit_ladder, with_best_forms
 from hysgen.diagnosis.prepare import Prepared, prepare

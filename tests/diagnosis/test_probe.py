@@ -13,7 +13,7 @@ from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.causes.relaxation import RelaxationPart
+from hysgen.diagnosis.causes.hysteresis import RelaxationPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import (
     NO_HISTORY,

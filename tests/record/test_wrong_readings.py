@@ -12,7 +12,7 @@ import pytest
 
 import hysgen
 from hysgen.cli.main import main
-from hysgen.diagnosis.causes.outliers import CAUSE
+from hysgen.diagnosis.causes.readings import OutliersCause
 from hysgen.display import Quantities
 from hysgen.record import Record, Segment
 from hysgen.record.bundled import demo_record
@@ -129,7 +129,7 @@ def test_the_cause_outliers_gates_the_firmware_above_one_in_a_thousand_and_in_te
     rows: tuple[int, ...], samples: int, gate: bool
 ) -> None:
     corrupted = np.isin(np.arange(samples), rows)
-    extension = CAUSE.extension(SimpleNamespace(corrupted=corrupted))  # type: ignore[arg-type]
+    extension = OutliersCause().extension(SimpleNamespace(corrupted=corrupted))  # type: ignore[arg-type]
     assert extension.gate is gate
     assert extension.trust is not None
     np.testing.assert_array_equal(extension.trust, ~corrupted)

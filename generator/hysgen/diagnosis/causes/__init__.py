@@ -1,7 +1,7 @@
-"""The registry of causes: one file per cause, found by listing the modules of this package.
+"""The registry of causes, found by listing the modules of this package.
 
-A cause is a module `<cause>.py` that defines CAUSE, an instance of a class derived from `Cause`. Every other list of
-causes in the package is a loop over `causes()`.
+A cause is a class derived from `Cause`, in a module of its own or beside others. Every other list of causes in the
+package is a loop over `causes()`.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ __all__ = [
 def causes() -> Mapping[str, Cause]:
     """Every cause by its name. Raises ValueError if two causes have the same name or rank."""
     registry: dict[str, Cause] = {}
-    for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
-        cause: Cause | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "CAUSE", None)
-        if cause is None:
-            continue
-        if cause.name in registry or cause.rank in {other.rank for other in registry.values()}:
-            raise ValueError(f"{module.name}: name {cause.name!r} or rank {cause.rank} belongs to another cause")
-        registry[cause.name] = cause
+    for module in pkgutil.iter_modules(__path__):
+        importlib.import_module(f"{__name__}.{module.name}")
+    inside = (kind for kind in Cause.__subclasses__() if kind.__module__.startswith(f"{__name__}."))
+    for kind in sorted(inside, key=lambda kind: kind.name):
+        if kind.name in registry or kind.rank in {other.rank for other in registry.values()}:
+            raise ValueError(f"{kind.__name__}: name {kind.name!r} or rank {kind.rank} belongs to another cause")
+        registry[kind.name] = kind()
     return registry
 
 

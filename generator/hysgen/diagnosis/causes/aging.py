@@ -133,6 +133,3 @@ class AgingCause(Cause):
         zero_um = scene.zero_um(fit.chain, fit.weights) - (shift_um if hidden else 0.0)
         change = GainChange(rate, zero_um, float(scene.time_s[-1])) if rate != 0.0 else None
         return Extension(correction=change, forgetting_s=FORGET * scene.span_s)
-
-
-CAUSE = AgingCause()

@@ -132,7 +132,7 @@ def comes_back(scene: Scene) -> bool:
 
 
 class Cause(abc.ABC):
-    """One cause of the vocabulary. It has no state: each module has one instance, CAUSE."""
+    """One cause of the vocabulary. It has no state: the registry has one instance."""
 
     name: ClassVar[str]
 

@@ -152,6 +152,3 @@ class CreepCause(Cause):
         part = fit.chain.of(CreepPart)
         block = part.slow_states(residual.scene.span_s, PER_DECADE)
         return Extension(block=block, past=part.past, lag_s=fit.chain.lag_s)
-
-
-CAUSE = CreepCause()

@@ -279,6 +279,3 @@ def _seen(residual: Residual, direction: float) -> float:
     course = course - course.mean()
     error = residual.fit.error[rows] + course
     return float(course @ (error - error.mean()) / (course @ course))
-
-
-CAUSE = DriftCause()

@@ -338,6 +338,3 @@ def _jumps_s(changes: _Changes, taken_s: Sequence[float]) -> Iterator[float]:
         yield at_s
         times_s.append(at_s)
         changes = dataclasses.replace(changes, error=left, basis=np.vstack([changes.basis, cut / np.sqrt(cut @ cut)]))
-
-
-CAUSE = UnknownCause()
