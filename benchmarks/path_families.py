@@ -45,8 +45,8 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import CreepEffect, DelayEffect, Effect, PeriodicEffect, ResonanceEffect, SaturationEffect

@@ -34,7 +34,7 @@ from hysgen.model.path import InputBlock
 from hysgen.model.path.base import BlockBox
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
-from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.limits import Saturation
 
 SAMPLES = 8000
 CHAINS: list[list[InputBlock]] = [

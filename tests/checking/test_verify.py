@@ -23,7 +23,7 @@ from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.creep import Creep
-from hysgen.model.path.slew import Slew
+from hysgen.model.path.limits import Slew
 
 SAMPLES = 9000
 

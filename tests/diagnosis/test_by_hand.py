@@ -30,9 +30,8 @@ from hysgen.diagnosis.ladder import (
 from hysgen.fitting.operator import PathSize
 from hysgen.model.file import load_model
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen_lab.studies.bank.truth import true_extension
 
 WHITE = np.random.default_rng(11).normal(size=20_000)

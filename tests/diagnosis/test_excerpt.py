@@ -13,8 +13,7 @@ from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, rememb
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen_lab.studies.bank.scenario import good
 
 SAMPLES, TS_S = 120_000, 1e-3

@@ -34,10 +34,9 @@ from hysgen.machine.kernels.operators import Branch, LinearPart, linear_response
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
-from hysgen.model.residual import outlier_flags
+from hysgen.record.wrong_readings import outlier_flags
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

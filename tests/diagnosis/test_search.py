@@ -34,9 +34,8 @@ from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import admissible
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen.model.remaining import LEAST_EVIDENCE
 
 

@@ -36,9 +36,8 @@ from hysgen.diagnosis.probe import Chain, linear_fit, refine
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 
 Floats = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.limits import Saturation
 from hysgen.model.scores import score
 
 TS_S, A, C = 2e-5, 0.98, 0.02

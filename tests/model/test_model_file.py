@@ -22,7 +22,7 @@ from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import dump_model, load_model, parse_model, save_model, shipped_models
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
-from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.limits import Saturation
 
 TERMS = (Periodic((50.0, 101.7)), Drift(0.1, 0.05))
 

@@ -23,10 +23,9 @@ from hysgen.model.path import InputBlock, applied, block_from_json, kinds, previ
 from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen.model.path.structure import Structure
 from hysgen.model.simulate import simulate
 

@@ -17,7 +17,7 @@ from hysgen.model.disturbances import Drive
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
-from hysgen.model.path.saturation import Saturation
+from hysgen.model.path.limits import Saturation
 from hysgen.model.regression import memberships, regression_rows, rule_regressors, structure_of
 from hysgen.model.simulate import default_horizons, free_run, horizon_curve, one_step, simulate
 from hysgen.record import Record, Segment

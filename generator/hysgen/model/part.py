@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import importlib
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+import pkgutil
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
@@ -330,6 +332,16 @@ class ModelPart(Part, abc.ABC):
     def from_json(cls, data: Mapping[str, Any]) -> Self:
         """Inverse of to_json. Raises KeyError, TypeError or ValueError on malformed data."""
         return cls(**arguments(cls, data))
+
+    @classmethod
+    def kinds_in(cls, package: str, path: Iterable[str]) -> Mapping[str, type[Self]]:
+        """The classes of the modules of a package that derive from this one, by their kind, in its order."""
+        for module in pkgutil.iter_modules(path):
+            importlib.import_module(f"{package}.{module.name}")
+        near = cls.__subclasses__()
+        found = [*near, *(further for kind in near for further in kind.__subclasses__())]
+        inside = (kind for kind in found if kind.__module__.startswith(package))
+        return {kind.kind: kind for kind in sorted(inside, key=lambda kind: kind.kind)}
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:

@@ -28,8 +28,7 @@ from hysgen.model.model import Model
 from hysgen.model.path import applied, preview
 from hysgen.model.path.base import InputBlock, StateSpace, series
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.trajectory.interior_point import least
 from hysgen.trajectory.inverse import inverse, inverse_of_path, without_unstable
 

@@ -23,8 +23,7 @@ from hysgen.diagnosis.causes.base import (
 )
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]

@@ -1,14 +1,12 @@
 """Additive terms: disturbances, which do not depend on the input.
 
-Each kind is one module `<kind>.py` here, which defines `TERM`, a class that satisfies `Term`, and one template
-`disturbances/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
+Each kind is a class derived from `Term` in a module here, and one template `disturbances/<kind>.c.j2`. Modules are
+found by listing this package, so these two add a kind.
 """
 
 from __future__ import annotations
 
 import functools
-import importlib
-import pkgutil
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -33,12 +31,7 @@ FORMER = ("memory", "creep", "resonance")
 @functools.lru_cache(maxsize=1)
 def kinds() -> Mapping[str, type[Term]]:
     """Every kind of term that is installed, by name."""
-    found: dict[str, type[Term]] = {}
-    for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
-        term: type[Term] | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "TERM", None)
-        if term is not None:
-            found[term.kind] = term
-    return found
+    return Term.kinds_in(__name__, __path__)
 
 
 def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:

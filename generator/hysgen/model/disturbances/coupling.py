@@ -185,6 +185,3 @@ class ChannelMirror(Mirror):
     def advance(self) -> None:
         for past in self.sample:
             past[1:] = past[:-1]
-
-
-TERM = Coupling

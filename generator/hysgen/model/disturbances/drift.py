@@ -114,6 +114,3 @@ class BiasMirror(Mirror):
 
     def advance(self) -> None:
         """Only measured samples move the bias."""
-
-
-TERM = Drift

@@ -211,6 +211,3 @@ class DrivesMirror(ChannelMirror):
             turn = turn + quadrature[j] * self.sample[j][0]
         away, across = forward - self.position[m], turn - self.velocity[m]
         return real * away - imag * across, imag * away + real * across
-
-
-TERM = Drives

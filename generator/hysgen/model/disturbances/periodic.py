@@ -219,6 +219,3 @@ class PhaseMirror(Mirror):
             low = self.phase_low[j] + turn_low
             carry = (low < turn_low).astype(np.uint32)
             self.phase[j], self.phase_low[j] = (self.phase[j] + turn_high) + carry, low
-
-
-TERM = Periodic

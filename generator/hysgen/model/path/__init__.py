@@ -1,14 +1,12 @@
 """Input blocks: models of amplifier and delay between the command and the stage.
 
-Each kind is one module `<kind>.py` here, which defines `BLOCK`, a class that satisfies `InputBlock`, and one template
-`path/<kind>.c.j2`. Modules are found by listing this package, so these two files add a kind.
+Each kind is a class derived from `InputBlock` in a module here, and one template `path/<kind>.c.j2`. Modules are found
+by listing this package, so these two add a kind.
 """
 
 from __future__ import annotations
 
 import functools
-import importlib
-import pkgutil
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -35,12 +33,7 @@ __all__ = [
 @functools.lru_cache(maxsize=1)
 def kinds() -> Mapping[str, type[InputBlock]]:
     """Every kind of input block that is installed, by name."""
-    found: dict[str, type[InputBlock]] = {}
-    for module in sorted(pkgutil.iter_modules(__path__), key=lambda entry: entry.name):
-        block: type[InputBlock] | None = getattr(importlib.import_module(f"{__name__}.{module.name}"), "BLOCK", None)
-        if block is not None:
-            found[block.kind] = block
-    return found
+    return InputBlock.kinds_in(__name__, __path__)
 
 
 def block_from_json(data: Mapping[str, Any]) -> InputBlock:

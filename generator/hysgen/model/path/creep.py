@@ -174,6 +174,3 @@ def spread(x: Interval, share: float) -> Interval:
     """Range of x + share s with x and s anywhere in an interval."""
     ends = [x.low + share * end for end in (x.low, x.high)] + [x.high + share * end for end in (x.low, x.high)]
     return Interval(min(ends), max(ends))
-
-
-BLOCK = Creep

@@ -166,6 +166,3 @@ class DelayMirror(BlockMirror):
     def _past(self, samples: int) -> Floats32:
         place = (self.newest - np.uint32(samples)) % np.uint32(len(self.ring))
         return np.asarray(self.ring[place, np.arange(place.size)])
-
-
-BLOCK = Delay

@@ -392,6 +392,3 @@ def _range(coefficients: Floats, low: float, high: float) -> tuple[float, float]
     """Smallest and largest value of a Chebyshev series over low .. high."""
     values = chebyshev.chebval(np.linspace(low, high, PLACES), coefficients)
     return float(values.min()), float(values.max())
-
-
-BLOCK = Hysteresis

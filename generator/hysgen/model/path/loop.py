@@ -247,6 +247,3 @@ class LoopMirror(BlockMirror):
             to = flushed(limited(w + (half * size) * (first + second), -box, box))
             moved.append(np.where(falls, -to, to))
         return moved
-
-
-BLOCK = Loop

@@ -377,6 +377,3 @@ class ModesMirror(BlockMirror):
             total = mode if total is None else total + mode
         assert total is not None
         return total
-
-
-BLOCK = Modes

@@ -69,6 +69,3 @@ def _magnitude(block: Structure) -> float:
     impulse = np.zeros(block.impulse_samples(block.Ts_s))
     impulse[0] = 1.0
     return 1.01 * float(np.abs(block.apply(impulse, block.Ts_s, block.start(0.0))).sum())
-
-
-BLOCK = Structure

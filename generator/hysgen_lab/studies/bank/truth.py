@@ -22,9 +22,8 @@ from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.part import Mode
 from hysgen.model.path import InputBlock
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.model.path.saturation import Saturation
-from hysgen.model.path.slew import Slew
 from hysgen_lab.studies.bank.scenario import Scenario
 
 
