@@ -11,9 +11,8 @@ import pytest
 
 from hysgen.errors import ModelError
 from hysgen.model.disturbances import Drive, Term, kinds, term_from_json
-from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.coupling import Coupling, Drives
 from hysgen.model.disturbances.drift import Drift
-from hysgen.model.disturbances.drives import Drives
 from hysgen.model.disturbances.periodic import Periodic
 
 TS_S = 2e-5

@@ -35,8 +35,6 @@ from hysgen.model.simulate import HorizonCurve, free_run
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.report import words
-from hysgen.report.diagnosis import diagnosis_page, file_names, key_figures
-from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import (
     TERMS,
     PageSection,
@@ -46,6 +44,7 @@ from hysgen.report.page import (
     provenance_section,
     uncertainty_section,
 )
+from hysgen.report.pages import ScoredModels, diagnosis_page, file_names, key_figures, model_page
 from hysgen.report.plots import style
 from hysgen.report.plots.diagnosis import (
     BAR,

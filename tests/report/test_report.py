@@ -26,8 +26,8 @@ from hysgen.fitting import FitSettings, fit
 from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen.report.model import ScoredModels, model_page
 from hysgen.report.page import readable, sentence, uncertainty_section
+from hysgen.report.pages import ScoredModels, model_page
 from hysgen.report.plots.diagnosis import error_shares, held_out_runs, pictures
 from hysgen.report.plots.style import png_bytes, svg_bytes
 from hysgen.report.plots.traces import time_picture

@@ -109,7 +109,7 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     `page(study).save("report.html")`; `page(({"paper": a, "memory": b}, record))` has all models in each table.
     """
     if isinstance(result, Study):
-        from hysgen.report.diagnosis import diagnosis_page
+        from hysgen.report.pages import diagnosis_page
 
         return dataclasses.replace(diagnosis_page(result), quantities=result.record.quantities)
     if len(result) == 2:
@@ -118,7 +118,7 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     else:
         model, scores, record = result
         models, scored = {model.name: model}, {model.name: scores}
-    from hysgen.report.model import ScoredModels, model_page
+    from hysgen.report.pages import ScoredModels, model_page
 
     made = model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
     return dataclasses.replace(made, quantities=record.quantities)

@@ -25,7 +25,7 @@ from scipy.linalg import solve
 from scipy.signal import lfilter
 
 from hysgen.errors import FitError
-from hysgen.model.disturbances.drives import Drives
+from hysgen.model.disturbances.coupling import Drives
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.structure import Structure
 from hysgen.record.series import period_of

@@ -22,7 +22,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "from a trajectory to a voltage": {
         "simulate": ("waveform", "the displacement of a model under the voltages of a file"),
         "waveform": ("waveform", "the voltage that takes the stage along a displacement, inside its limits"),
-        "loop": ("loop", "a feedback loop around the inverse of a model, with its certificate"),
+        "loop": ("waveform", "a feedback loop around the inverse of a model, with its certificate"),
     },
     "from the model to C": {
         "generate": ("generate", "the C of a model"),

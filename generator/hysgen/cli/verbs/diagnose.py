@@ -87,7 +87,7 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
         for path in write_pictures(study, Path(arguments.plots), arguments.force):
             console.say(f"written: {path}")
     if arguments.report:
-        from hysgen.report.diagnosis import diagnosis_page
+        from hysgen.report.pages import diagnosis_page
 
         write_whole(Path(arguments.report), diagnosis_page(study, budget, command=command_line()).html())
         console.say(f"written: {arguments.report}")

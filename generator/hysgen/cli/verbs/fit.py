@@ -224,7 +224,7 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         console.say("\n".join(score_lines(list(others_fitted.items()))))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in others_fitted.items()}
     if arguments.report:
-        from hysgen.report.model import ScoredModels, model_page
+        from hysgen.report.pages import ScoredModels, model_page
 
         name = Path(arguments.model).stem if beside else model.name
         scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, list(others_fitted.items()))

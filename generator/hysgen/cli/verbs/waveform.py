@@ -1,21 +1,24 @@
-"""simulate: the displacement under a voltage; waveform: the voltage for a displacement."""
+"""simulate: the displacement under a voltage; waveform: the voltage for a displacement; loop: feedback around it."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.api.models import simulate, waveform
+from hysgen.api.models import design_loop, simulate, waveform
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import usable_model
 from hysgen.display import WRITTEN_IN, Displayed
+from hysgen.errors import HysgenError
+from hysgen.feedback.stage import LATENCY, Uncertainty
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.record.csv_text import write_csv
@@ -123,6 +126,46 @@ def _write(
         console.say(f"written: {arguments.plot}")
 
 
+LOOP_HELP = """\
+Design a feedback loop around the inverse of a model: an integral and notches of the largest bandwidth with margins of 6
+dB and 45 degrees over the uncertainty of the model, and its certificate. Exit code 1 says that it does not hold.
+
+The correction is added to the displacement that the inverse is asked for, so the inverse is the feed-forward."""
+
+
+def loop_arguments(parser: argparse.ArgumentParser) -> None:
+    add_model(parser)
+    known = ",".join(f"{name}={value:g}" for name, value in asdict(Uncertainty()).items())
+    parser.add_argument(
+        "--latency",
+        type=float,
+        default=LATENCY,
+        metavar="SAMPLES",
+        help="from reading to voltage, where the record of the model does not hold it (default %(default)g)",
+    )
+    parser.add_argument(
+        "--uncertainty",
+        default="",
+        metavar="KEY=VALUE,...",
+        help=f"what the stage may differ by, relative; late in samples (default {known})",
+    )
+    parser.add_argument("--plot", metavar="FILE.png", help="draw the open loop (Bode) and the settling of a push")
+
+
+def run_loop(arguments: argparse.Namespace, console: Console) -> int:
+    parts = [part.partition("=") for part in filter(None, arguments.uncertainty.split(","))]
+    try:
+        changes = {key.strip(): float(value) for key, _, value in parts}
+    except ValueError as fault:
+        raise HysgenError(f"--uncertainty: {fault}; write KEY=VALUE, as frequency=0.02,gain=0.1") from fault
+    designed = design_loop(usable_model(arguments), arguments.latency, **changes)
+    console.say(str(designed))
+    if arguments.plot:
+        designed.plot().save(arguments.plot)
+        console.say(f"written: {arguments.plot}")
+    return console.finish(designed.to_json(), designed.certificate.holds)
+
+
 VERBS = {
     "simulate": Verb(SIMULATE_HELP, simulate_arguments, run_simulate, WRITES, (SIMULATE_EXAMPLE,)),
     "waveform": Verb(
@@ -134,6 +177,15 @@ VERBS = {
             "hysgen waveform stage.json reference.csv -o voltage.csv --slew 20000",
             "hysgen waveform stage.json reference.csv --loop --learn played1.csv -o voltage2.csv    the next repeat",
             "hysgen waveform stage.json scan --frequency 50 --periodic -o voltage.csv    one period, to be looped",
+        ),
+    ),
+    "loop": Verb(
+        LOOP_HELP,
+        loop_arguments,
+        run_loop,
+        examples=(
+            "hysgen loop stage.json --json loop.json --plot loop.png",
+            "hysgen loop stage.json --latency 2 --uncertainty frequency=0.03    a stage whose load changes",
         ),
     ),
 }
