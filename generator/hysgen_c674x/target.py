@@ -54,7 +54,7 @@ def assembler_of(name: str, texts: Texts) -> str | None:
 
 def firmware(model: Model, texts: Texts, samples: int, say: Say, warn: Say) -> dict[str, Any]:
     """Sizes and cycles of the firmware's image."""
-    from hysgen_c674x.firmware.image_cost import image_cost
+    from hysgen_c674x.firmware.timing import image_cost
 
     return image_cost(model, texts, samples, say, warn)
 

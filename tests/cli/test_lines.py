@@ -433,7 +433,7 @@ def test_firmware_without_the_targets_compiler_writes_its_files_and_says_what_is
         raise BuildError("no compiler")
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("hysgen_c674x.firmware.image_cost.link_image", missing)
+    monkeypatch.setattr("hysgen_c674x.firmware.timing.link_image", missing)
     monkeypatch.setattr(firmware, "firmware_model", lambda model, **given: {"model.h": f"hysgen {given}"})
     assert main(["firmware", "appendix_a", "-o", "d", "--json", "r.json"]) == 0
     captured = capsys.readouterr()

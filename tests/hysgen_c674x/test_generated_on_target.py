@@ -14,9 +14,8 @@ from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_l
 from hysgen.checking.host import Host
 from hysgen_c674x import toolchain
 from hysgen_c674x.cycles import bounds
-from hysgen_c674x.equality import verify_on_target
+from hysgen_c674x.equality import SimulatedSide, verify_on_target
 from hysgen_c674x.footprint import c_texts, cycle_bounds
-from hysgen_c674x.simulated_side import SimulatedSide
 
 pytestmark = pytest.mark.slow
 

@@ -30,9 +30,8 @@ from hysgen_c674x.footprint import c_texts
 from hysgen_c674x.interpreter import PipelineState
 from hysgen_c674x.schedule import plans
 from hysgen_c674x.schedule.checker import function_packets, inspect
-from hysgen_c674x.schedule.emit import file_text
-from hysgen_c674x.schedule.folder import Kernels, kernels, with_kernels
-from hysgen_c674x.schedule.placement import TooLongError
+from hysgen_c674x.schedule.folder import Kernels, file_text, kernels, with_kernels
+from hysgen_c674x.schedule.instructions import TooLongError
 from hysgen_c674x.schedule.scheduler import planned, unlimited
 from hysgen_c674x.schedule.selection import select
 

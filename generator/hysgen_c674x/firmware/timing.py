@@ -2,21 +2,34 @@
 
 The plant is the model itself; one start up to tracking a sine. Without the idle loop nothing is committed, so the
 voltages with and without the learner are equal, and so must be the cycles from reading the A/D to writing the D/A.
+
+Sizes and cycles of the firmware's image on the C6748, for `hysgen firmware`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from hysgen.display import table
 from hysgen.errors import TargetError
 from hysgen.firmware.host import State
 from hysgen.model.model import Model
 from hysgen_c674x.caches import Caches, Misses
-from hysgen_c674x.firmware.simulated import AMPLITUDE_UM, REFERENCE_UM, STEP_RAD, virtual_stage
+from hysgen_c674x.firmware.simulated import (
+    AMPLITUDE_UM,
+    REFERENCE_UM,
+    STEP_RAD,
+    SimulatedRun,
+    compile_image,
+    simulate,
+    static_bounds,
+    virtual_stage,
+)
+from hysgen_c674x.firmware.target import MEMORIES, LinkedImage, link_image
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import AccessKind, Trace
 from hysgen_c674x.toolchain import Firmware
@@ -153,3 +166,55 @@ def timing_rows(found: Mapping[str, Timing], budget: int) -> list[list[str]]:
 
 TIMING_HEADS: Final = ("in TRACK", "A/D to D/A", "interrupt", "warm lines", *_LEFT, "cold lines", *_LEFT)
 """Cycles; lines missed of L1P + L1D; cycles of the period that are left at so many cycles a line."""
+
+
+BUDGET = 7500
+
+Say = Callable[[str], None]
+
+
+def image_cost(model: Model, texts: Mapping[str, str], samples: int, say: Say, warn: Say) -> dict[str, Any]:
+    """Link the image and run it on the simulator, `samples` long; say the tables. Returns the result as JSON.
+
+    Raises BuildError without the compiler.
+    """
+    built = link_image(model.name, texts)
+    say(sections_table(built))
+    compiled = compile_image(texts)
+    cycles = static_bounds(model.name, compiled)
+    rows = [[name, f"{c[0]} .. {c[1]}" if c else "not bounded"] for name, c in cycles.items()]
+    say("\n" + table(["static bounds, stall-free", "cycles"], rows))
+    result: dict[str, Any] = {"target": built.to_json(), "bounds": cycles, "simulated": None, "timing": None}
+    try:
+        run = simulate(model, texts, compiled, samples)
+        say(cycles_table(run))
+        result["simulated"] = run.to_json()
+        timed = timings(model, compiled)
+        say("\n" + table(TIMING_HEADS, timing_rows(timed, BUDGET)))
+        result["timing"] = {name: case.to_json() for name, case in timed.items()}
+    except TargetError as refusal:
+        warn(f"cycles are missing: {refusal}")
+    return result
+
+
+def sections_table(built: LinkedImage) -> str:
+    """Sections of the image, and bytes used of each memory."""
+    sections = [[s.name, f"0x{s.address:08x}", s.memory, f"{s.size}"] for s in built.sections]
+    used = [f"{name}: {size} of {MEMORIES[name][1]} bytes" for name, size in built.used.items()]
+    return "\n".join([table(["section", "address", "memory", "bytes"], sections, left=3), *used, built.compiler])
+
+
+def cycles_table(run: SimulatedRun) -> str:
+    """Cycles by state of the firmware, and whether the simulator gives the bits of the host."""
+    named = {f"interrupt, {state}": cycles for state, cycles in run.interrupt.items()} | {"idle loop": run.idle}
+    rows = [[name, f"{best} .. {worst}", f"{100 * worst / BUDGET:.1f} %"] for name, (best, worst) in named.items()]
+    verdict = "the host's bits" if run.equal else f"NOT THE HOST'S BITS in {run.differing}"
+    return "\n".join(
+        [
+            "",
+            table(["on the simulator", "cycles", "of 7500"], rows),
+            f"{run.samples} samples, {run.commits} commits: {verdict}; self-test at boot: {run.selftest} mismatches, "
+            f"{run.boot} cycles",
+            "stall-free cycles; nothing ran on silicon",
+        ]
+    )

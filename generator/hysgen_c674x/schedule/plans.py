@@ -11,10 +11,8 @@ from collections.abc import Mapping
 from typing import Final
 
 from hysgen.checking.symbolic.dataflow import Kernel
-from hysgen_c674x.schedule.instructions import Selected
-from hysgen_c674x.schedule.ordering import ranked
-from hysgen_c674x.schedule.placement import OutOfRegistersError, Plan, Schedule, TooLongError
-from hysgen_c674x.schedule.precedence import heights
+from hysgen_c674x.schedule.instructions import OutOfRegistersError, Plan, Schedule, Selected, TooLongError
+from hysgen_c674x.schedule.precedence import heights, ranked
 from hysgen_c674x.schedule.scheduler import planned, unlimited
 from hysgen_c674x.schedule.selection import select
 from hysgen_c674x.schedule.spilling import OutOfSlotsError, limited

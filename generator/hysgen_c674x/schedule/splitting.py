@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from hysgen_c674x.schedule.attempt import Attempt
-from hysgen_c674x.schedule.instructions import UNITS, WORD, Node, nodes_of
-from hysgen_c674x.schedule.placement import PREDICATES
+from hysgen_c674x.schedule.instructions import PREDICATES, UNITS, WORD, Node, nodes_of
 
 
 def split_store(attempt: Attempt, one: Node, other: Node) -> None:

@@ -25,7 +25,7 @@ from hysgen_c674x import toolchain
 from hysgen_c674x.caches import L1D_LINE, L1D_SETS, L1P_LINE, L1P_SETS, Caches, Misses
 from hysgen_c674x.elf import MemorySection, ProgramImage, Symbol
 from hysgen_c674x.firmware import boot_image as booting
-from hysgen_c674x.firmware import image_cost
+from hysgen_c674x.firmware import timing
 from hysgen_c674x.firmware.boot_image import boot_image
 from hysgen_c674x.firmware.simulated import compile_image
 from hysgen_c674x.firmware.target import link_image
@@ -103,12 +103,12 @@ def test_the_table_of_cycles_has_a_row_for_each_state() -> None:
         selftest=0,
         boot=77,
     )
-    text = image_cost.cycles_table(run)
+    text = timing.cycles_table(run)
     assert "interrupt, TRACK  1000 .. 3750   50.0 %" in text
     assert "idle loop             10 .. 75    1.0 %" in text
     assert "9 samples, 2 commits: the host's bits; self-test at boot: 0 mismatches, 77 cycles" in text
     run.equal, run.differing = False, 4
-    assert "9 samples, 2 commits: NOT THE HOST'S BITS in 4;" in image_cost.cycles_table(run)
+    assert "9 samples, 2 commits: NOT THE HOST'S BITS in 4;" in timing.cycles_table(run)
 
 
 def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks(
@@ -128,14 +128,14 @@ def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks
     section = SimpleNamespace(name=".text", address=0x11800000, memory="L2", size=77)
     built = SimpleNamespace(sections=[section], used={"L2": 77}, compiler="gcc 12", to_json=lambda: "built")
     results: list[Any] = []
-    monkeypatch.setattr(image_cost, "MEMORIES", {"L2": (0, 262_144)})
-    monkeypatch.setattr(image_cost, "link_image", lambda name, texts: built)
-    monkeypatch.setattr(image_cost, "compile_image", lambda texts: "compiled")
+    monkeypatch.setattr(timing, "MEMORIES", {"L2": (0, 262_144)})
+    monkeypatch.setattr(timing, "link_image", lambda name, texts: built)
+    monkeypatch.setattr(timing, "compile_image", lambda texts: "compiled")
     monkeypatch.setattr("hysgen.cli.verbs.firmware.firmware_model", lambda model, **_: {"model.h": model.name})
-    monkeypatch.setattr(image_cost, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
-    monkeypatch.setattr(image_cost, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
-    monkeypatch.setattr(image_cost, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})
-    monkeypatch.setattr(image_cost, "timing_rows", lambda timed, budget: [[str(budget)] * len(image_cost.TIMING_HEADS)])
+    monkeypatch.setattr(timing, "static_bounds", lambda name, compiled: {"f": (3, 5), "g": None, compiled: (1, 1)})
+    monkeypatch.setattr(timing, "simulate", lambda model, texts, compiled, samples: run if samples == 9 else 1 / 0)
+    monkeypatch.setattr(timing, "timings", lambda model, compiled: {compiled: SimpleNamespace(to_json=lambda: "t")})
+    monkeypatch.setattr(timing, "timing_rows", lambda timed, budget: [[str(budget)] * len(timing.TIMING_HEADS)])
     monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
     assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
     out = capsys.readouterr().out
@@ -154,7 +154,7 @@ def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks
     def lacks(*_: object) -> None:
         raise TargetError("no such instruction")
 
-    monkeypatch.setattr(image_cost, "simulate", lacks)
+    monkeypatch.setattr(timing, "simulate", lacks)
     assert main(["firmware", "appendix_a", "--samples", "9"]) == 0
     assert capsys.readouterr().err == "warning: cycles are missing: no such instruction\n"
     assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)

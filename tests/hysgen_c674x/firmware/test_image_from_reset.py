@@ -21,7 +21,7 @@ from hysgen.firmware.image import Label, encode
 from hysgen.firmware.link import Client
 from hysgen_c674x.firmware.boot_image import boot_image
 from hysgen_c674x.firmware.target import link_image
-from hysgen_c674x.system import System
+from hysgen_c674x.machine import System
 from hysgen_c674x.toolchain import Firmware
 
 PERIOD = 7500
