@@ -21,7 +21,7 @@ from hysgen.cli.console import Console, ProgressLine, command_line, folded
 from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
 from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
-from hysgen.cli.verbs import NAMES, export, firmware, verify
+from hysgen.cli.verbs import NAMES, firmware, generate, verify
 from hysgen.display import table
 from hysgen.errors import BuildError, HysgenError, RecordError
 from hysgen.export.check import Compared
@@ -460,10 +460,10 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
         return [folder / name for name in names]
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(export, "write_export", write)
+    monkeypatch.setattr(generate, "write_export", write)
     for differ, code in ((0, 0), (1, 1)):
         line = Compared("ctypes", "predict", 1, differ)
-        monkeypatch.setattr(export, "compare", lambda *words, line=line, **_: given.append(words[1:4]) or [line])
+        monkeypatch.setattr(generate, "compare", lambda *words, line=line, **_: given.append(words[1:4]) or [line])
         assert main(["export", "appendix_a", "--to", "shared", "-o", "d", "--check", "1", "--json", "r.json"]) == code
         assert capsys.readouterr().out == (
             f"written: d/README.md (5 bytes)\nwritten: d/model (2 files of the generated C)\n{line}\n"
@@ -477,7 +477,7 @@ def test_export_says_its_files_and_a_check_that_differs_is_code_1(
     target, options, source = given[-1][1:]
     assert (target, source) == ("a2l", {"elf": "e", "instance": "i", "learner": "l"})
     words = parser(["generate"]).parse_args(["generate", "m", "-o", "d"])
-    assert options == export.code_options(words, load_model("appendix_a"))
+    assert options == generate.code_options(words, load_model("appendix_a"))
     for wrong in ("a2l --check 1", "shared --check 0", "shared --elf e", "cmake --instance i", "fmu --learner l"):
         assert main([*["export", "appendix_a", "-o", "x", "--to"], *wrong.split()]) == 2
     assert not Path("x").exists()

@@ -13,7 +13,8 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.cli.console import Console
-from hysgen.cli.verbs import demo, link
+from hysgen.cli.verbs import demo
+from hysgen.cli.verbs import firmware as verbs
 from hysgen.firmware.host import Request
 from hysgen.firmware.wire import LinkStatus
 from hysgen.model.file import load_model
@@ -60,15 +61,15 @@ class Firmware:
 
 
 def test_a_status_without_bits_is_zero() -> None:
-    assert re.search(r"^status +0$", link.status_table(replace(STATUS, status=0)), re.M)
+    assert re.search(r"^status +0$", verbs.status_table(replace(STATUS, status=0)), re.M)
 
 
 @pytest.fixture
 def firmware(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Firmware:
     found = Firmware()
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(link, "open_line", lambda *given: ("line", *given))
-    monkeypatch.setattr(link, "Client", found)
+    monkeypatch.setattr(verbs, "open_line", lambda *given: ("line", *given))
+    monkeypatch.setattr(verbs, "Client", found)
     Path("image").write_bytes(b"HYSI")
     Path("key").write_text("00112233445566778899aabbccddeeff\n")
     return found

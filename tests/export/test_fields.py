@@ -16,7 +16,7 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
-from hysgen.export import a2l, base, check, export_texts, fmu, shared, write_export
+from hysgen.export import a2l, base, check, export_texts, fmu, programs, write_export
 from hysgen.export.base import MODES, component_facts, exact
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
@@ -265,7 +265,7 @@ def test_a_folder_whose_build_fails_says_why(tmp_path: Path, monkeypatch: pytest
     assert sorted(written) == sorted(path for path in tmp_path.rglob("*") if path.is_file())
     rows = np.zeros((1, 3), np.uint32)
     with pytest.raises(BuildError, match="the shared library has no mode inverse"):
-        shared.run_shared(plain, tmp_path, base.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
+        programs.run_shared(plain, tmp_path, base.Samples(MODES[2], np.float32(0.0), np.float32(0.0), rows))
     (tmp_path / "Makefile").write_text("all:\n\t@echo broken >&2; false\n")
     with pytest.raises(BuildError, match=r"make all: broken$"):
         base.make(tmp_path, "all")

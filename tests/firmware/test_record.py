@@ -190,7 +190,7 @@ def test_from_board_to_record_to_diagnosis_to_image_to_board(tmp_path: Path, mon
     rows = (f"{TS_S * k:.9g},{u_V:.9g}" for k, u_V in enumerate(table_V))
     Path("table.csv").write_text("\n".join(("time_s,voltage_V", *rows, "")))
     firmware, _ = board()
-    monkeypatch.setattr("hysgen.cli.verbs.link.open_line", lambda *_: Direct(firmware, samples=500))
+    monkeypatch.setattr("hysgen.cli.verbs.firmware.open_line", lambda *_: Direct(firmware, samples=500))
     assert main(["link", "port", "record", "table.csv", "-o", "record.csv"]) == 0
     assert main(["diagnose", "record.csv", "-o", "stage.json"]) == 0
     # 147 and 22 nm when it was written; of the 22, 21.8 are the mean, creep behind the start.

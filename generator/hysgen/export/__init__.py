@@ -1,6 +1,6 @@
-"""Folders that bring a model into other tools: one file each, found by listing the modules of this package.
+"""Folders that bring a model into other tools, found by listing the modules of this package.
 
-An export is a module that defines EXPORT, an `Export`: its templates, its build and the ways to run it. Each folder
+An export is an `Export` that a module there defines: its templates, its build and the ways to run it. Each folder
 holds the generated C in model/, the files of the export, a build and an example. `export_texts` returns the texts;
 `write_export` writes them, and compiles what the folder ships as a binary.
 """
@@ -28,10 +28,11 @@ def exports() -> Mapping[str, Export]:
     """Every export by its name, that of `--to`. Raises ValueError if two have the same name."""
     registry: dict[str, Export] = {}
     for module in sorted(entry.name for entry in pkgutil.iter_modules(__path__)):
-        export: Export | None = getattr(importlib.import_module(f"{__name__}.{module}"), "EXPORT", None)
-        if export is not None and registry.setdefault(export.name, export) is not export:
-            raise ValueError(f"{module}: the name {export.name!r} belongs to another export")
-    return registry
+        held = vars(importlib.import_module(f"{__name__}.{module}")).values()
+        for export in (each for each in held if isinstance(each, Export)):
+            if registry.setdefault(export.name, export) is not export:
+                raise ValueError(f"{module}: the name {export.name!r} belongs to another export")
+    return dict(sorted(registry.items()))
 
 
 def export_of(name: str) -> Export:

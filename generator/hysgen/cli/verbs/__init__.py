@@ -26,7 +26,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     },
     "from the model to C": {
         "generate": ("generate", "the C of a model"),
-        "export": ("export", "the model for Simulink, FMI, A2L tools, CMake, any C program, a Cortex-M"),
+        "export": ("generate", "the model for Simulink, FMI, A2L tools, CMake, any C program, a Cortex-M"),
         "verify": ("verify", "compare generated C with its reference, bit for bit"),
         "prove": ("verify", "warnings, MISRA rules, sanitizers, proofs of generated C"),
         "cost": ("generate", "operations, cycles and bytes of generated C"),
@@ -37,7 +37,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "image": ("firmware", "a model's numbers as a parameter image for running firmware"),
         "firmware": ("firmware", "the files that the firmware needs of a model, and the cost of its image"),
         "schema": ("schema", "the JSON Schema of the result of a verb, of a model file, of a manifest"),
-        "link": ("link", "commands to running firmware: state, start, stop, reference, parameter images"),
+        "link": ("firmware", "commands to running firmware: state, start, stop, reference, parameter images"),
     },
     "an example": {
         "demo": ("demo", "the whole way on the bundled record"),
