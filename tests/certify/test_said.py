@@ -11,8 +11,16 @@ import pytest
 
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import ANY_CLOCK
-from hysgen.certify.certificates import Certificates, certify
-from hysgen.certify.dynamics import Dynamics, Loop, SteadyState, dynamics, loop, steady_states
+from hysgen.certify.certificates import (
+    Certificates,
+    Dynamics,
+    Loop,
+    SteadyState,
+    certify,
+    dynamics,
+    loop,
+    steady_states,
+)
 from hysgen.certify.enclosure import Extremum
 from hysgen.certify.path_inverse import HysteresisSlopes, PathInverse
 from hysgen.checking.bits import VerifySettings, verify_texts

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hysgen.certify.certificates import Certificates, certify
-from hysgen.certify.dynamics import Dynamics, dynamics
+from hysgen.certify.certificates import Certificates, Dynamics, certify, dynamics
 from hysgen.diagnosis.identifiability import Inspection
 from hysgen.diagnosis.identifiability import inspect as inspect_record
 from hysgen.display import OWN, WRITTEN_IN, Quantities

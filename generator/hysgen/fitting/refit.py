@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.certify.certificates import certify
-from hysgen.certify.dynamics import SAMPLES_PER_PERIOD, loop, steady_states
+from hysgen.certify.certificates import SAMPLES_PER_PERIOD, certify, loop, steady_states
 from hysgen.display import Displayed, Summary, table
 from hysgen.errors import ModelError
 from hysgen.fitting import FitSettings, PathSize, fit

@@ -192,7 +192,7 @@ class Part:
         return u_V
 
     def apply_held(self, u_V: Floats, held: NDArray[np.int64], Ts_s: float) -> Floats:
-        """`apply` for voltages u_V, (k,), that follow each other after held, (k,), samples (`probe.trace.History`)."""
+        """`apply` for voltages u_V, (k,), that follow each other after held, (k,), samples (`probe.History`)."""
         return self.apply(u_V, Ts_s)
 
     def averaged(self, columns: Floats, v_V: Floats, Ts_s: float) -> Floats:

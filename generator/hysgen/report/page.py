@@ -19,8 +19,7 @@ import jinja2
 import numpy as np
 import scipy
 
-from hysgen.certify.certificates import certify
-from hysgen.certify.dynamics import dynamics
+from hysgen.certify.certificates import certify, dynamics
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost
 from hysgen.codegen.render import template_environment

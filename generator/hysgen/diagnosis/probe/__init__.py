@@ -4,7 +4,7 @@ The probe shares no code with the Takagi-Sugeno model. It is a hysteresis operat
 followed by a linear chain. If the residual is only noise, every needed part of the chain is a cause.
 """
 
-from hysgen.diagnosis.probe.chain import Chain
+from hysgen.diagnosis.probe.chain import NO_HISTORY, Chain, History, Trace
 from hysgen.diagnosis.probe.scene import Scene
 from hysgen.diagnosis.probe.solve import (
     Fit,
@@ -21,7 +21,6 @@ from hysgen.diagnosis.probe.solve import (
     training_fit,
     whitened_fit,
 )
-from hysgen.diagnosis.probe.trace import NO_HISTORY, History, Trace
 from hysgen.fitting.operator import Operator
 from hysgen.model.part import Extent, Mode, Part, RunSignals, ShapeParameter, octaves
 

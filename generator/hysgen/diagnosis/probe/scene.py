@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import COMMON, Chain, Thinned, lagged, respond_into, respond_on_rows
-from hysgen.diagnosis.probe.trace import Moments, Trace
+from hysgen.diagnosis.probe.chain import COMMON, Chain, Moments, Thinned, Trace, lagged, respond_into, respond_on_rows
 from hysgen.fitting.operator import Operator
 from hysgen.machine.cache import LruCache, Steps
 from hysgen.machine.kernels.operators import lag_sums

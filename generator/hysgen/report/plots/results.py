@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from hysgen.certify.dynamics import dynamics
+from hysgen.certify.certificates import dynamics
 from hysgen.checking.cost import Cost
 from hysgen.diagnosis.evaluation import Study
 from hysgen.errors import HysgenError
