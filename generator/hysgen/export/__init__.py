@@ -29,7 +29,7 @@ def exports() -> Mapping[str, Export]:
     registry: dict[str, Export] = {}
     for module in sorted(entry.name for entry in pkgutil.iter_modules(__path__)):
         held = vars(importlib.import_module(f"{__name__}.{module}")).values()
-        for export in (one for one in held if isinstance(one, Export)):
+        for export in (item for item in held if isinstance(item, Export)):
             if registry.setdefault(export.name, export) is not export:
                 raise ValueError(f"{module}: the name {export.name!r} belongs to another export")
     return dict(sorted(registry.items()))
