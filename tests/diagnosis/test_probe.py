@@ -36,7 +36,7 @@ from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen.record.wrong_readings import outlier_flags
+from hysgen.model.residual import outlier_flags
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3

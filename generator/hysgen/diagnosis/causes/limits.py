@@ -21,10 +21,10 @@ from hysgen.diagnosis.causes.base import (
     Signature,
     limited_rows,
 )
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
 from hysgen.model.path.limits import Saturation, Slew
-from hysgen.record.excitation import Excitation
 
 Floats = NDArray[np.float64]
 

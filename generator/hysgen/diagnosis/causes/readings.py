@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
+from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
@@ -28,9 +29,9 @@ from hysgen.display import decimal
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import FEWEST_PERIODS, Periodic, same_phase
 from hysgen.model.path.delay import LEAST_FITTED, MOST_FITTED, Delay
-from hysgen.record.excitation import Excitation
+from hysgen.model.residual import LEAST_DEVIATION, local_scatter
 from hysgen.record.series import MEDIAN_TO_DEVIATION, period_of
-from hysgen.record.wrong_readings import LEAST_DEVIATION, are_frequent, local_scatter
+from hysgen.record.wrong_readings import are_frequent
 
 Floats = NDArray[np.float64]
 
