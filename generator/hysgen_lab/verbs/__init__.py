@@ -1,4 +1,4 @@
-"""The verbs of `python -m hysgen_lab`. A module is imported when one of its verbs is used."""
+"""The verbs of `python -m hysgen_lab`. Their module is imported when one of them is used."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import importlib
 
 from hysgen.cli.verbs import Program, Verb
 
-MODULES = {"experiments": "studies", "track": "track", "bank": "studies", "endurance": "studies"}
-
 
 def verb(name: str) -> Verb:
-    """The verb of this name; imports its module."""
-    chosen: Verb = importlib.import_module(f"{__name__}.{MODULES[name]}").VERBS[name]
+    """The verb of this name; imports the module of the verbs."""
+    chosen: Verb = importlib.import_module(f"{__name__}.studies").VERBS[name]
     return chosen
 
 
@@ -22,7 +20,7 @@ LABORATORY = Program(
     {
         "studies": {
             "experiments": ("studies", "the paper's experiments on the virtual stage"),
-            "track": ("track", "the complete firmware on the virtual stage"),
+            "track": ("studies", "the complete firmware on the virtual stage"),
             "bank": ("studies", "how often a diagnosis of hidden effects is right"),
             "endurance": ("studies", "the learner for hours of poor and broken excitation"),
         }

@@ -300,7 +300,7 @@ from hysgen_lab.stage import effect_shares, run
 from hysgen_lab.studies.bank import scenario
 from hysgen.diagnosis.causes import Estimate
 from hysgen_lab.studies.bank.judge_records import compare_parameters
-from hysgen_lab.studies.bank.limits import PARAMETERS
+from hysgen_lab.studies.bank.judge_records import PARAMETERS
 
 hidden = scenario("echo", 3)
 assert hidden.planted == ("memory", "echo"), hidden.planted

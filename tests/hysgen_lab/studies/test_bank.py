@@ -19,7 +19,7 @@ from hysgen.errors import HysgenError
 from hysgen_lab.stage.families import FAMILIES
 from hysgen_lab.studies.bank import BankResult, Judgement, run, scenario
 from hysgen_lab.studies.bank.family_scenario import family_scenario
-from hysgen_lab.studies.bank.limits import PARAMETERS
+from hysgen_lab.studies.bank.judge_records import PARAMETERS
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.scenario import CATEGORIES, EFFECTS, Scenario
 from hysgen_lab.verbs import LABORATORY, studies

@@ -18,15 +18,14 @@ from hysgen_lab.firmware.tracking import TrackingResult
 from hysgen_lab.stage import CreepEffect, Stage
 from hysgen_lab.studies import coverage
 from hysgen_lab.studies.bank.family_scenario import Sensor
-from hysgen_lab.studies.bank.judge_records import compare_parameters
-from hysgen_lab.studies.bank.limits import PARAMETERS, limits
+from hysgen_lab.studies.bank.judge_records import PARAMETERS, compare_parameters, limits
 from hysgen_lab.studies.bank.result import BankResult, Judgement
 from hysgen_lab.studies.bank.scenario import scenario
 from hysgen_lab.studies.endurance.excitations import excitations, persistent_excitation
 from hysgen_lab.studies.endurance.results import CASES, EnduranceResult, EnduranceTest, endurance_tests, rows
 from hysgen_lab.studies.paper import learning
 from hysgen_lab.studies.paper.tracking import CASES as TRACKED
-from hysgen_lab.verbs.track import tracking_table
+from hysgen_lab.verbs.studies import tracking_table
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
 
