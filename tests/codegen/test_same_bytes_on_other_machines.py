@@ -14,8 +14,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fixtures.generated_models import path
-from hysgen.certify.certificates import certify
 from hysgen.codegen import generate
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import (
@@ -79,22 +77,6 @@ def test_the_firmwares_models_generate_to_the_same_bytes_on_other_machines(
     assert json.loads(run.stdout) == here
 
 
-def test_other_last_digits_of_lapack_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a thousand units of the last place, more than processors differ by."""
-    exact, rng = np.linalg.eigvals, np.random.default_rng(1)
-
-    def noisy(matrix: np.ndarray) -> np.ndarray:
-        found = exact(matrix)
-        return np.asarray(found * (1.0 + 2e-13 * rng.standard_normal(found.shape)))
-
-    matrix = np.diag(np.array([0.9, 0.99, 0.999])) - 1e-3
-    exactly = spectral_radius(matrix)
-    before = certify(path())
-    monkeypatch.setattr(np.linalg, "eigvals", noisy)
-    assert spectral_radius(matrix) == exactly
-    assert certify(path()) == before
-
-
 @given(st.floats(-745.0, 700.0))
 def test_exponential_is_within_a_unit_of_the_last_place(x: float) -> None:
     exact = Decimal(x).exp()
@@ -144,7 +126,7 @@ def test_the_spectral_radius_is_the_largest_modulus_of_the_eigenvalues_put_in(
     found = spectral_radius(basis @ blocks @ np.linalg.inv(basis))
     apart = np.abs(np.subtract.outer(real, real))[np.triu_indices(len(real), 1)]
     if apart.size == 0 or apart.min() > 1e-3:
-        assert found == pytest.approx(max(modulus, *real), rel=6e-9), "half a unit of the ninth digit"
+        assert 1.0 - 1e-11 < found / max(modulus, *real) < 1.0 + 1.2e-8, "above, by at most a unit of the ninth digit"
 
 
 def test_numbers_are_drawn_between_their_ends_as_numpy_draws_them() -> None:

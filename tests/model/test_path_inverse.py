@@ -142,7 +142,7 @@ def test_the_zero_of_a_response_is_the_spectral_radius_of_its_inverse(block: Cre
     A = np.column_stack([step(row, 0.0)[1] for row in np.eye(size)])
     B = step(np.zeros(size), 1.0)[1]
     radius = np.abs(np.linalg.eigvals(A - np.outer(B, C) / direct)).max()
-    assert block.zero(TS_S) == pytest.approx(radius, rel=1e-9)
+    assert radius - 1e-12 < block.zero(TS_S) < radius + 2e-9
 
 
 def _advance(block: Creep | Modes, state: NDArray[np.float64], x: float) -> NDArray[np.float64]:

@@ -110,7 +110,7 @@ def path_inverse(model: Model) -> PathInverse:
         elif block.responds:
             zero = max(zero, block.zero(model.Ts_s))
         u_V = block.image(u_V)
-    return PathInverse(slopes, rounded_up(zero, DIGITS), tuple(left_out))
+    return PathInverse(slopes, zero, tuple(left_out))
 
 
 @functools.lru_cache(maxsize=16)
