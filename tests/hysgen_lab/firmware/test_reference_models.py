@@ -90,8 +90,12 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
 @pytest.mark.slow
 def test_interrupt_and_idle_loop_on_the_simulator_have_the_hosts_bits(name: str) -> None:
     need_compiler()
-    # Long enough for the firmware to learn and commit.
-    run = simulate(MODELS[name], generated(name), compiled(name), 2500)
+    # Long enough for the firmware to learn, try what it learnt on 64 samples, and commit.
+    settings = MODELS[name].learner
+    assert settings is not None
+    brisk = dataclasses.replace(MODELS[name], learner=dataclasses.replace(settings, settle=256))
+    texts = firmware_model(brisk)
+    run = simulate(brisk, texts, compile_image(texts), 2500)
     assert run.equal
     assert run.commits >= 1
     assert {"POWER", "RISE", "LOOP", "HOLD", "APPROACH", "TRACK"} == run.interrupt.keys()
