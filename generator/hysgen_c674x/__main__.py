@@ -1,7 +1,5 @@
 """`python -m hysgen_c674x FILE.c [FILE.c ...]`: code bytes and cycles of each function of C files on the C674x."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

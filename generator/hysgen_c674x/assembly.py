@@ -4,8 +4,6 @@ The assembler's own disassembler decodes the bits, so simulator and assembler ca
 line becomes one `Instruction`; `decode` gives its action.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

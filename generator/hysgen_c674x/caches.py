@@ -5,8 +5,6 @@ recently used line is replaced. A store that misses L1D goes to the write buffer
 depends on other users of L2, so the model counts lines; the caller knows the cycles of a line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final

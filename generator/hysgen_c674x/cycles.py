@@ -9,8 +9,6 @@ A jump through a register is taken as the return. This holds for C without funct
 with -fno-jump-tables; a call through a pointer is detected and refused.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping

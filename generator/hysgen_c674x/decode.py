@@ -3,8 +3,6 @@
 Interpreter, compiled engine and static cycle counts use the same actions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

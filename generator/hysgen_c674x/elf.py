@@ -1,7 +1,5 @@
 """Reading a linked C674x program: its memory sections and symbols."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ compared.
 A model's learner on the simulated C674x, as one side of `hysgen.checking.bits.learning_run`.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence

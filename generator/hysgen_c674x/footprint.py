@@ -1,7 +1,5 @@
 """Resources of the generated C of a model on the C674x: cycles, code and stack of each function, bytes of data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from hysgen.codegen.manifest import c_files

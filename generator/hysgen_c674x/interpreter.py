@@ -11,8 +11,6 @@ The rules, each a few lines below (source: SPRUFE8, sections 3 and 4):
 Stalls (caches, memory banks, cross paths) are not part of `cycles`; those of the cross paths are counted separately.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed

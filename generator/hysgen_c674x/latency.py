@@ -5,8 +5,6 @@ later; until then the register holds its old value. The pipeline has no interloc
 Source: SPRUFE8, section 4 (pipeline phases per instruction type).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 BRANCH_DELAY = 5

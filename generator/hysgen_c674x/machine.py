@@ -3,8 +3,6 @@
 A C674x that runs from reset, with devices: registers, control registers and time persist between the calls.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final

@@ -4,8 +4,6 @@ Source: SPRUFE8, section 3.8 (resource constraints). The effect of a packet beyo
 simulator refuses such packets, which also checks the compiler's schedule.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass

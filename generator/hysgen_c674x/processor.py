@@ -1,7 +1,5 @@
 """Processor state: registers and memory; the counts of a run, and the faults that end it."""
 
-from __future__ import annotations
-
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 The functions import their machinery when they are called: the help of a verb lists the targets.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The C compiler for the target, gcc for the C6000 built by firmware/toolchain/build_c674x.sh, and its output."""
 
-from __future__ import annotations
-
 import functools
 import os
 import subprocess

@@ -4,8 +4,6 @@ Every packet becomes one C function that schedules its results; `engine/run.c` i
 across packets: each function stands below its assembly and can be compared with it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from importlib import resources
 from typing import Any

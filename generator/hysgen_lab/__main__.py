@@ -1,7 +1,5 @@
 """`python -m hysgen_lab VERB ...`: the studies on the virtual stage."""
 
-from __future__ import annotations
-
 import sys
 
 from hysgen.cli import main

@@ -1,7 +1,5 @@
 """Certificates: no point of the range violates them, and they are tight."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 from typing import Any

@@ -1,7 +1,5 @@
 """Enclosures by hand: remainders, cells, peaks and slopes of polynomials; where contraction begins and ends."""
 
-from __future__ import annotations
-
 import math
 from decimal import Context, Decimal, localcontext
 from types import SimpleNamespace

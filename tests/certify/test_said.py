@@ -1,7 +1,5 @@
 """What certificates and dynamics say: verdicts with their numbers, models over a part of their range."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command line: from record to C, JSON, exit codes, one-line errors."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

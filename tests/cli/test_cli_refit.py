@@ -1,7 +1,5 @@
 """Re-identification by command: stale files, changed properties, structures that no longer fit, exit codes."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Width and time of lines, JSON, exit codes, and what each option hands on to the computation."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

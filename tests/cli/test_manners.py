@@ -1,7 +1,5 @@
 """Help, completion, project file, stdin, rows in seconds, width of the terminal, quiet and verbose."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """No input and no file of the user is overwritten; outputs are tried first; a machine's faults are one line, exit 2."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import resource

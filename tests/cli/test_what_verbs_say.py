@@ -3,8 +3,6 @@
 inspect says what a file holds, and which causes its excitation can show.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

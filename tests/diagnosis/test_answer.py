@@ -1,7 +1,5 @@
 """The answer: its form, what it rests on, and the answers 'nothing', 'unknown' and 'this record cannot tell'."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import re

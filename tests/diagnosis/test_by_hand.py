@@ -1,7 +1,5 @@
 """Numbers, limits and words of causes, score and answer on made-up inputs, each against a value made by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

@@ -3,8 +3,6 @@
 What a record can tell: the least effect holds its promise, hidden and missing effects are told apart.
 """
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

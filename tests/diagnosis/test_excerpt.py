@@ -1,7 +1,5 @@
 """Blocks of a long record stand for the record: same columns of the chain, all levels and rates, bounded length."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

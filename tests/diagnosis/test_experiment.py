@@ -1,7 +1,5 @@
 """The next experiment: what a voltage lacks, the voltage that has it, and what a stage shows under that voltage."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

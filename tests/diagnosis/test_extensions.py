@@ -1,7 +1,5 @@
 """The model that is delivered for named causes: its error, the size of its hysteresis, its certificates, its price."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

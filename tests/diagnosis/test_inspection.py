@@ -1,7 +1,5 @@
 """What a record holds and could show: counts, frequencies and requirements, at both sides of their limits."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What holds a rung of the ladder back: the range of its grid, and the limits that its gain must stay inside."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

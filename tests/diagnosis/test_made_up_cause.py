@@ -1,7 +1,5 @@
 """The four files printed in docs/extend.md add a cause, from the virtual stage to the proof."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """A measured record: what is named on it and what that gains; and effects that are hidden in it are found."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A part is in the chain only where the record needs it; the plants share no equation with chain or analysis."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -3,8 +3,6 @@
 What is wrong, and how sure a gain is: profiles, spectrum, turning points, intervals, noise floor.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

@@ -1,7 +1,5 @@
 """The benchmark of the five families: its chains hold the causes that a stage has, and a fit of them predicts."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The probe: its linear part is exact, its estimates land on the truth, its standard errors mean what they say."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

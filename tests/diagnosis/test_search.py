@@ -1,7 +1,5 @@
 """The search on a linear stage: every cause, no cause, and a start with the wrong cause."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Each cause's own evidence: it holds where the cause is, and not where something else only looks like it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

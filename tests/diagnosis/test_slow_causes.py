@@ -1,7 +1,5 @@
 """Slow causes result apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

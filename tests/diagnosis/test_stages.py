@@ -3,8 +3,6 @@
 The foreign stages share no equation with the model, the probe, or the virtual stage.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

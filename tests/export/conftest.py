@@ -1,7 +1,5 @@
 """The folder of the exports of this process, shared by all tests."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

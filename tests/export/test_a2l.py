@@ -1,7 +1,5 @@
 """A2L: every word of the structs reads back with unit and address from the ELF."""
 
-from __future__ import annotations
-
 import re
 import struct
 from pathlib import Path

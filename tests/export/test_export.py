@@ -1,7 +1,5 @@
 """Exports: every target computes the bits of the generated C, its folder works as it is, one more is one file."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """What an export says of a model, field by field, and what its comparison feeds, counts and refuses."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import sys

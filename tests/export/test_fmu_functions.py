@@ -1,7 +1,5 @@
 """The functions of both FMUs, called without an importer: values, bits, phases, and every refusal with its words."""
 
-from __future__ import annotations
-
 import functools
 from typing import Any
 

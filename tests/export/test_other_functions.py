@@ -1,7 +1,5 @@
 """S-function, shared library, program of the CMake package and start-up of the Cortex-M, compiled here and called."""
 
-from __future__ import annotations
-
 import functools
 import re
 import subprocess

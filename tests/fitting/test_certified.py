@@ -1,7 +1,5 @@
 """Least squares inside the certified set: certified, optimal there, and untouched where nothing is violated."""
 
-from __future__ import annotations
-
 from typing import Any, get_args
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Comparison of two models and verdict on a refit, against the closed form of a linear lag."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 

@@ -1,7 +1,5 @@
 """Least squares one step ahead: Eq. (10) as printed, the batch optimum that it converges to, and the partition."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A constant on which the displacement stands changes no result, and float32 says where it no longer resolves it."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

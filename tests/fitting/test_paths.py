@@ -1,7 +1,5 @@
 """Paths fitted: a past of creep, plays that relax, a hysteresis that may fall; a refit, which changes only numbers."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Refinement of the free-run error: exact sensitivities, never worse, certified; shapes and initial states."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The identification of a structure finds the modes of a stage that it shares no code with, in both kinds of record."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Costs: operation counts that a compiler confirms, sizes that the compiler confirms, a budget, honest labels."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import re

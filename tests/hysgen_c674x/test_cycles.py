@@ -1,7 +1,5 @@
 """Cycles counted without running are the simulator's: exactly without branches, as bounds that are met with them."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

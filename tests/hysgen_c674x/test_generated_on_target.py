@@ -1,7 +1,5 @@
 """The generated C on the simulated C674x: the host's bits, in cycles that do not depend on the data."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The kernels as files: the same code by TI's assembler, and part of the library for the C674x by CMake."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Every result arrives in the cycle that TI's manual and binutils' opcode table name."""
 
-from __future__ import annotations
-
 import functools
 
 import pytest

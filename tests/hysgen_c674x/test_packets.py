@@ -3,8 +3,6 @@
 The expected registers follow from TI's description of the pipeline (SPRUFE8), worked out by hand in the comments.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from fixtures.c674x_packets import CODE, DATA, RETURN, After, bits, run

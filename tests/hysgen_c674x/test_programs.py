@@ -1,7 +1,5 @@
 """Compiled C gives the same bits on the simulated C674x as on the host, and the two engines the same cycles."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Scheduled kernels: the bits of the C and of the mirror, at every interrupt; an inspection that finds every fault."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import time

@@ -1,7 +1,5 @@
 """Every operation gives its known answers, and the two implementations of it agree on everything else."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import re

@@ -1,7 +1,5 @@
 """The compiler is found or its absence told, what it makes is measured, and its build leaves nothing half done."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What the laboratory's verbs read, hand on and answer."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """A step of a long computation is kept until the whole is done, for the same inputs and the same code only."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

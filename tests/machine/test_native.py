@@ -1,7 +1,5 @@
 """Host builds, first-order lags, threads and file writes of this computer."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import signal

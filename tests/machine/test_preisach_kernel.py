@@ -1,7 +1,5 @@
 """The columns of a Preisach operator, computed in blocks of samples and of plays, are those of its definition."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev

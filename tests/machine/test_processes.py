@@ -1,7 +1,5 @@
 """Helper processes: they change the time of a computation and nothing else."""
 
-from __future__ import annotations
-
 import functools
 import json
 import math

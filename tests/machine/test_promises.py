@@ -1,7 +1,5 @@
 """Builds, caches, helpers and numbers of the host computer, by what their texts promise."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """Hysteresis block: float64 against plain Python, mirror against float64, C against mirror."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Inverse of the hysteresis block: Newton steps, what they leave, jumps, the ends of the range."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Numbers of the hysteresis block: box of the state, float32 constants, JSON, what has no float32 form."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math

@@ -1,7 +1,5 @@
 """Slow and endless states in generated float32 C: creep against float64 over 1e7 samples, phases over 1e8."""
 
-from __future__ import annotations
-
 import dataclasses
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The model: partition, memberships, refusals, and the paper's appendices."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

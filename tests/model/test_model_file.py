@@ -1,7 +1,5 @@
 """The model file: exact, deterministic, and refused with file and field when malformed."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A record that is cut keeps its past, and rows that an unknown past spoils are not scored."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Input blocks: physics, float32 mirrors, and their inverse."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from typing import Any

@@ -1,7 +1,5 @@
 """The inverse of the path: it meets w, its responses stay those of the stage, and what it omits it says."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Creep and modes against the physics of their effects; test_hysteresis_block.py has the hysteresis."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

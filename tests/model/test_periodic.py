@@ -1,7 +1,5 @@
 """The periodic term: no drift of the phase, and the error bound of its sine."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

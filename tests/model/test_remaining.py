@@ -1,7 +1,5 @@
 """The model's own figure: what no model can know of a record is taken out of its error, and nothing else."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

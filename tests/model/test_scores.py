@@ -3,8 +3,6 @@
 The paper's rivals: definitions, and recovery of each one's own parameters.
 """
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

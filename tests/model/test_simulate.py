@@ -1,7 +1,5 @@
 """Simulation: the compiled kernels against plain loops over the equations, segments, clamps, terms, horizons."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Promises of every additive term."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from typing import Any

@@ -1,7 +1,5 @@
 """Each additive term against the physics of its effect."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

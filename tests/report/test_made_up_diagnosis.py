@@ -1,7 +1,5 @@
 """A diagnosis with made-up numbers in words, cells and pictures: every number stands where it belongs, by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import platform

@@ -1,7 +1,5 @@
 """Pictures read back from their figures: lines, labels, limits and the numbers of their alt texts."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

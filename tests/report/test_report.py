@@ -1,7 +1,5 @@
 """The report of a diagnosis: all sections, the numbers of the diagnosis, self-contained, equal bytes, alt texts."""
 
-from __future__ import annotations
-
 import base64
 import dataclasses
 import json

@@ -1,7 +1,5 @@
 """Figures of a budget, of repeated levels, of a statement of the sensor, calculated by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

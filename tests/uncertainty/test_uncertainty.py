@@ -1,7 +1,5 @@
 """Uncertainty: the budget against GTC and Monte Carlo, the sensor's statement, repeatability, coverage."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """From a model to C, its checks and its cost, folders for other tools, and running firmware."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Iterator, Mapping, Sequence

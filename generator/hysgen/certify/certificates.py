@@ -19,8 +19,6 @@ As the frequency falls, the loop of hysteresis stays open and the loop of a lag 
 memory from one without.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Sequence

@@ -10,8 +10,6 @@ requires, dh/dx >= min dg0/dx is a bound for every past, and the certificate is 
 Source of the Newton steps and of the states: `model.path.hysteresis`.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Output of the verbs: text at the width of a terminal on stdout, warnings and progress on stderr, JSON."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

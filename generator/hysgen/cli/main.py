@@ -4,8 +4,6 @@ Exit codes: 0 done; 1 done with a negative answer (bits differ, a file is stale,
 2 not done: bad input, a missing tool, no memory, no room on the disk; 3 a fault of hysgen itself; 130 interrupted.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import itertools

@@ -1,7 +1,5 @@
 """Options that several verbs share: models, folders of generated C, records, and the learner."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import dataclasses

@@ -4,8 +4,6 @@ Refused are an output that is an input of the same call, two outputs of one name
 written by hysgen (unless --force), a suffix of another format, and a folder that cannot be written.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import stat

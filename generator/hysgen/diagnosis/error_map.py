@@ -4,8 +4,6 @@ The prediction horizon; amplitude, frequency, level and direction of the swing o
 turning point and since the start of the segment; the frequency of the error; the share of its power above the noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

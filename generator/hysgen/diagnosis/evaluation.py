@@ -1,7 +1,5 @@
 """A diagnosis with its record and its error maps on the held-out rows; for studies, its names alone."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

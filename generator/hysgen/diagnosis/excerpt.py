@@ -7,8 +7,6 @@ that a hysteresis still remembers, and samples at ages in geometric progression 
 start of the segment, so lines keep their phase from run to run.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

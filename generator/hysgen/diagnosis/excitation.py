@@ -1,7 +1,5 @@
 """The excitation of a record in figures, by which each cause says whether the record could show it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

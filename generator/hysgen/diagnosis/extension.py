@@ -1,7 +1,5 @@
 """Extension of the Takagi-Sugeno model for a cause: term, input block, correction, weights of samples."""
 
-from __future__ import annotations
-
 import abc
 import dataclasses
 from collections.abc import Hashable, Mapping, Sequence

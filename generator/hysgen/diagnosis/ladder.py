@@ -23,8 +23,6 @@ Drift and aging are found jointly, and each takes a share of what the other woul
 of them out is extended by the others as they are without it.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import itertools

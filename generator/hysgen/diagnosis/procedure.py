@@ -1,7 +1,5 @@
 """The diagnosis: split the record, fit the probe, name the causes, extend the model, score each rung of the ladder."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping, Sequence

@@ -9,8 +9,6 @@ all parameters of the chain jointly, so an effect that was first attributed to t
 Every scored chain counts in the confidences.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """One step of the search for a chain (`search`): which chains it compares, and which of them is accepted."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 from collections.abc import Sequence

@@ -20,8 +20,6 @@ no part in that choice. Which of them describes the stage better is not known, s
 odds counts (logarithmic pool; Genest and Zidek, 1986).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Hashable, Sequence

@@ -5,8 +5,6 @@ holds the generated C in model/, the files of the export, a build and an example
 `write_export` writes them, and compiles what the folder ships as a binary.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

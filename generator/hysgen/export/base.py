@@ -1,8 +1,6 @@
 """An export: the model as one component with a mode, the form that every export presents to its caller, and the
 variables of its templates; files, build, the ways to run it; the samples of a run, and calls of the tools."""
 
-from __future__ import annotations
-
 import shlex
 import shutil
 import subprocess

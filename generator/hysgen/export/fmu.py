@@ -1,7 +1,5 @@
 """FMUs for FMI 2.0 and 3.0, co-simulation: variables, files, binary for this machine, archive."""
 
-from __future__ import annotations
-
 import functools
 import io
 import platform

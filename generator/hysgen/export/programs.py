@@ -7,8 +7,6 @@ A Cortex-M4F: start-up, linker script and a program that qemu runs.
 A shared library with a flat C interface: LabVIEW, ctypes, a DLL import; the caller owns the memory.
 """
 
-from __future__ import annotations
-
 import ctypes
 import tempfile
 from pathlib import Path

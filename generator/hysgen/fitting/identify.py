@@ -1,7 +1,5 @@
 """From a record to a model: partition, least squares, certificates, refinement."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 

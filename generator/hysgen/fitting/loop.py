@@ -9,8 +9,6 @@ box bounds); several are held to p >= 0: nothing would tell two springs without 
 All numbers are refined jointly by Levenberg-Marquardt, with forward differences: a free run takes milliseconds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -11,8 +11,6 @@ which are not Preisach operators.
     h = sum_m a_m T_m(v) + sum_b sum_m c_bm * sum_i hat_b(r_i) T_m(z_i) + ...,     v, z_i in [-1, 1]
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -5,8 +5,6 @@
 A long record is held in windows; the lag, which is searched, is applied to them last.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

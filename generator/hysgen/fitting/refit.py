@@ -5,8 +5,6 @@ New: the displacement range (within the restricted range of the old model, if it
 parameter, scores and certificates. The generated C algorithm is unchanged; only `<name>_params.h` changes.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Settings of a fit."""
 
-from __future__ import annotations
-
 import math
 import numbers
 from dataclasses import dataclass

@@ -11,8 +11,6 @@ so the lines of a periodic steady state and the rows of any other record share e
 Source: Pintelon and Schoukens, System Identification (2012), chapters 7 to 9.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Atomic file writes and digests; the version and the data folders of the installed package."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import hashlib

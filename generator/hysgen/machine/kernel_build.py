@@ -3,8 +3,6 @@
 Standard library only: the build of the wheel (hatch_build.py) runs this file before any dependency is installed.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import os

@@ -5,8 +5,6 @@ of its build (sources, flags, compiler and its version), and sealed by its own: 
 damaged one is opened.
 """
 
-from __future__ import annotations
-
 import functools
 import os
 import re

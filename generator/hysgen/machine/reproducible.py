@@ -6,8 +6,6 @@ exp for several processors. Sums are therefore formed here in sequence, exp of a
 of single numbers are computed with `decimal`, whose results are standardised (General Decimal Arithmetic).
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal, localcontext

@@ -7,8 +7,6 @@ OpenBLAS takes a buffer of 32 MB for each thread that computes. Where it gets no
 limit), it prints a message of its own and exits, or tries again without end; neither can be caught.
 """
 
-from __future__ import annotations
-
 import mmap
 import multiprocessing
 import os

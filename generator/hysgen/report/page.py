@@ -1,7 +1,5 @@
 """An HTML page that refers to no other file: sentences, pictures, tables, and the sections common to all reports."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import functools

@@ -3,8 +3,6 @@
 The HTML report of a diagnosis: error, causes, ladder, model, equality of bits, cost, provenance on one page.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A diagnosis as text: verdict, output for the terminal, parameters with units; and the price of an extension."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -7,8 +7,6 @@ operation, a compiler, a simulator, kernels, an image. In another distribution a
     c674x = "hysgen_c674x.target:TARGET"
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

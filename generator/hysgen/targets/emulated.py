@@ -1,7 +1,5 @@
 """Other processors under qemu: equality of bits."""
 
-from __future__ import annotations
-
 from hysgen.checking.proof.emulated_equality import EmulationSettings, equality
 from hysgen.checking.proof.emulated_program import PLATFORMS
 from hysgen.model.model import Model

@@ -5,8 +5,6 @@
 Eqs (10), (G.2b) and (G.1d) there; contributions are independent, the measurand is linear in them.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

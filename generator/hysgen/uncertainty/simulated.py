@@ -22,8 +22,6 @@ level differ by the hysteresis of the stage. With y_ij the position of visit j o
     s^2 = sum_i sum_j (y_ij - mean_j y_ij)^2 / sum_i (n_i - 1)
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import defaultdict

@@ -12,8 +12,6 @@ returns if its own CRC differs. TI describes the script in SPRAB41 (bootloader o
 those that TI's HexAIS for the OMAP-L138 writes with section CRCs. Not booted here: no silicon.
 """
 
-from __future__ import annotations
-
 import struct
 import sys
 import zlib

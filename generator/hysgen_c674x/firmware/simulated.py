@@ -4,8 +4,6 @@ The plant is the model itself with gains reduced by 3 %, read through a noisy se
 up to tracking, with trim and learning on, and learned parameters are committed. Host and simulator get equal readings.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final

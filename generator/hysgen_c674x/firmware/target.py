@@ -1,7 +1,5 @@
 """The firmware for the C6748, compiled and linked by its gcc: sections, memories, bytes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final

@@ -6,8 +6,6 @@ voltages with and without the learner are equal, and so must be the cycles from 
 Sizes and cycles of the firmware's image on the C6748, for `hysgen firmware`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final

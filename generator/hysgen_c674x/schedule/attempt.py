@@ -5,8 +5,6 @@ What the instructions of each cycle occupy: units, the two cross paths, the two 
 Source: SPRUFE8, chapters 2 and 3.8.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

@@ -6,8 +6,6 @@ interrupts if no register is read or written while a result for it is in flight:
 arrive earlier.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final

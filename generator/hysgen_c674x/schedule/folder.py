@@ -14,8 +14,6 @@ makes the same code of its instructions.
 Assembly text of a schedule, in the syntax of the GNU assembler for the C6000.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections import defaultdict

@@ -5,8 +5,6 @@ begins. Each pair is restored when its last reader has been issued. Stores and l
 is a multiple of 8 (C6000 EABI, SPRAB89).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

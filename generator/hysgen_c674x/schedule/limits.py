@@ -1,7 +1,5 @@
 """What a kernel takes, beside what the C takes and what the C674x needs at least."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Mapping

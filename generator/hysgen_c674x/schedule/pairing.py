@@ -3,8 +3,6 @@
 The address of the lower word is a multiple of 8. The register of the lower word is the even one of a pair.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

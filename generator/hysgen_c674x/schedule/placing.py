@@ -3,8 +3,6 @@
 A register for a result: one that an operand leaves, or a free one that no older instruction needs more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final

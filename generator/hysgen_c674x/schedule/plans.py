@@ -5,8 +5,6 @@ them in the order of the C text, and many values alive want loads and constants 
 one for some function of the shipped models and of those under test.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

@@ -6,8 +6,6 @@ The instructions keep the order of the C text, but an instruction that frees at 
 comes as soon as its operands are there (Goodman and Hsu, ICS 1988).
 """
 
-from __future__ import annotations
-
 import heapq
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence

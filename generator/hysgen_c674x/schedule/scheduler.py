@@ -8,8 +8,6 @@ written in the cycle before is not read over a cross path, which would stall.
 The stack frame of an attempt: units of the saving packets, saved registers, and their restoring at the end.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace

@@ -4,8 +4,6 @@ Source: SPRUFE8, chapter 4. A constant of 5 bits is part of an instruction; othe
 an offset reaches, are values of their own. Values that many instructions of both sides read exist once on each side.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Sequence

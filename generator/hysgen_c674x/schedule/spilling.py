@@ -5,8 +5,6 @@ after their register was taken. When too many values are alive, the value whose 
 register (Belady, IBM Systems Journal 5, 1966): a load or constant is dropped, any other value is stored on the stack.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence

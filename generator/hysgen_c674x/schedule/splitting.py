@@ -1,7 +1,5 @@
 """Instructions changed during an attempt, where registers are short: 64-bit accesses in two, an operand moved over."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from hysgen_c674x.schedule.attempt import Attempt

@@ -4,8 +4,6 @@
 the result ships with the package.
 """
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from pathlib import Path

@@ -5,8 +5,6 @@ mains hum, and a sensor with noise and finite resolution. Each controller gets t
 and a ramp to 0 V. The firmware then starts up, drives the initial loop, measures the offset, and tracks the reference.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final

@@ -3,8 +3,6 @@
 `python -m hysgen_lab.stage.demo_record FILE` writes it again.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

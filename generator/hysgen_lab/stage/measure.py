@@ -1,7 +1,5 @@
 """Measuring a virtual stage: the record that a controller would log, and the signals that it does not show."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ An excitation begins and ends at a stated level; `safe` adds the ways from and t
 the paper, sections 4.1 to 4.3, states what the paper leaves open.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 The mesh inside one D/A period: where the signals of the plant are evaluated.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterable, Sequence

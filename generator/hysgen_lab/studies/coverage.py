@@ -7,8 +7,6 @@ its free run against the true displacement is compared with U.
 `python -m hysgen_lab.studies.coverage --stages 1000` prints the coverage; the budget states 95 %.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The verbs of `python -m hysgen_lab`. Their module is imported when one of them is used."""
 
-from __future__ import annotations
-
 import importlib
 
 from hysgen.cli.verbs import Program, Verb

@@ -3,8 +3,6 @@
 track: the complete firmware on the virtual stage.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import os

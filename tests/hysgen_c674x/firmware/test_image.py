@@ -1,7 +1,5 @@
 """The firmware's image for the C6748: its boot image, what the verb says of it, time from A/D to D/A, the caches."""
 
-from __future__ import annotations
-
 import functools
 import re
 import subprocess

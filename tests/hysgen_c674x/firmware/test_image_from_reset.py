@@ -4,8 +4,6 @@ Only the key is replaced: `make` links the same sources. The stage behind the co
 Every word that the D/A gets is compared with the host's firmware on the same readings.
 """
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

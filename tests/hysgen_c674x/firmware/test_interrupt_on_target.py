@@ -4,8 +4,6 @@ The interrupt's C function is replaced by one that changes every register that t
 code must leave the same registers and memory as without the interrupt.
 """
 
-from __future__ import annotations
-
 import functools
 import sys
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The firmware's reference models, its image for the C6748, its run on the simulator, its tracking errors."""
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import functools

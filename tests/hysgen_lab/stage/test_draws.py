@@ -1,7 +1,5 @@
 """What the virtual stages are drawn from: both ends of every interval by hand, and the numbers that never change."""
 
-from __future__ import annotations
-
 import math
 from typing import Any, cast
 

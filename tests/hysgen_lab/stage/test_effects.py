@@ -1,7 +1,5 @@
 """Every effect of the virtual stage is what its name says, by its amplitude and units, and nothing else."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Test stages of five families of hysteresis: each behaves as its physics demands, apart from the analysis."""
 
-from __future__ import annotations
-
 import ast
 import itertools
 from dataclasses import replace

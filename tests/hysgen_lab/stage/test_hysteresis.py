@@ -1,7 +1,5 @@
 """The stage's hysteresis is a Preisach hysteresis, and two unrelated ways of computing it agree."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

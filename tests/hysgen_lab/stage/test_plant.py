@@ -1,7 +1,5 @@
 """The stage as a whole: gain and bandwidth, one plant at every rate, the bundled record, effects in new files."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import math

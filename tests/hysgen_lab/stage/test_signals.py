@@ -1,7 +1,5 @@
 """Driving signals: those of the paper as printed, and excitations that keep what their docstrings promise."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The bank: records with hidden effects, the causes that a diagnosis must name, limits of a run, and its log."""
 
-from __future__ import annotations
-
 import dataclasses
 import io
 import json

@@ -1,7 +1,5 @@
 """What the studies draw, excite, score and print: both ends of each draw, closed forms, cells of made-up runs."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any, cast

@@ -1,7 +1,5 @@
 """The endurance run: every case passes, and a learner without its protections fails."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping, Sequence

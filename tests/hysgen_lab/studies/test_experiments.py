@@ -1,7 +1,5 @@
 """The paper's experiments on the virtual bench: what has to hold whatever the stage's constants are."""
 
-from __future__ import annotations
-
 import pytest
 
 from hysgen_lab.studies.paper.learning import DISTURBANCES, agreement, lose_gain

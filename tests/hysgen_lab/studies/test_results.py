@@ -1,7 +1,5 @@
 """Figures of the studies, from made-up runs: each printed number and each rate against a calculation by hand."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

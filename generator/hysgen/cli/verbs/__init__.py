@@ -1,7 +1,5 @@
 """The verbs of the command line. A module is imported when one of its verbs is used: some import most of SciPy."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 from collections.abc import Callable, Mapping

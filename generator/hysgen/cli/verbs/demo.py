@@ -1,7 +1,5 @@
 """demo: the whole way on the bundled record."""
 
-from __future__ import annotations
-
 import argparse
 import time
 from pathlib import Path

@@ -1,8 +1,6 @@
 """diagnose: errors of the simulation, their causes, and the extended model; inspect: what a file holds, before any
 analysis; experiment: the voltage to play next, for what a record cannot tell."""
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 from pathlib import Path

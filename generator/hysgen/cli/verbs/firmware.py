@@ -3,8 +3,6 @@
 Commands to running firmware over its serial line.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

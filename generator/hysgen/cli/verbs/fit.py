@@ -1,7 +1,5 @@
 """fit: a model of one or several records; score: its errors on a record; describe: a model as a dynamic system."""
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 from pathlib import Path

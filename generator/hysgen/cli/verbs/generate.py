@@ -3,8 +3,6 @@
 export: folders that bring a model into Simulink, FMI, XCP, CMake, a shared library, a Cortex-M.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """refit, diff: a model identified again from a new record, and what moved from one model to another."""
 
-from __future__ import annotations
-
 import argparse
 import time
 from pathlib import Path

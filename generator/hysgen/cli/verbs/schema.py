@@ -1,7 +1,5 @@
 """schema: the JSON Schemas of the results of the verbs, of model files and of manifests."""
 
-from __future__ import annotations
-
 import argparse
 
 from hysgen.cli.console import Console

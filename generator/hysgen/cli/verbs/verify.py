@@ -1,7 +1,5 @@
 """verify: bits of generated C against its reference; prove: warnings, MISRA rules, sanitizers, proofs."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """simulate: the displacement under a voltage; waveform: the voltage for a displacement; loop: feedback around it."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping
 from dataclasses import asdict

@@ -4,8 +4,6 @@ A cause is a class derived from `Cause`, in a module of its own or beside others
 package is a loop over `causes()`.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

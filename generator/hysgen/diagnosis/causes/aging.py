@@ -1,7 +1,5 @@
 """Aging: the gain changes during the record; the error is proportional to the displacement and grows with time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -4,8 +4,6 @@ A cause is named if the chain with the least score contains it (`search`). The f
 bounds of its parameters, under which conditions it acts on a record, and the evidence that is reported.
 """
 
-from __future__ import annotations
-
 import abc
 import math
 from collections.abc import Mapping

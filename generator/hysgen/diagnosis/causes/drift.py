@@ -4,8 +4,6 @@ Its rate is constant, or it decreases with the logarithm of time, like creep fro
 at evenly spaced times, as that of a stage does whose surroundings warm up and cool down: how it goes on is not known.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

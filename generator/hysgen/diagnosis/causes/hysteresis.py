@@ -3,8 +3,6 @@
 Relaxation: domains switch by thermal activation, so the loop depends on the rate and a held input lets h creep.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import dataclass

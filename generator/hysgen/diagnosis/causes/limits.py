@@ -3,8 +3,6 @@
 Slew: the amplifier limits the rate of the voltage, so fast commands become ramps of constant slope at any level.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

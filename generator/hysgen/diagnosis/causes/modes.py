@@ -3,8 +3,6 @@
 Softening: the frequency of a mode falls with amplitude, because hysteresis sits in its loop.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math

@@ -10,8 +10,6 @@ The probe's chain has no part for outliers: the search excludes them from every 
 the model has weights of 0 for them, and the learner gets a gate if they are frequent (`wrong_readings.are_frequent`).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math

@@ -5,8 +5,6 @@ causes that resemble them most, a drift or aging. Structure of another shape tha
 in words (`diagnosis.identifiability`).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Sequence

@@ -9,8 +9,6 @@ tested against it. `hysgen.machine.native` compiles a file once per machine and 
 `call` compiles and opens the C file of a kernel, and passes NumPy arrays to it as pointers.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 from importlib import resources

@@ -1,7 +1,5 @@
 """Kernels of the operators between command and displacement: limiters, plays, Duhem states, linear states, filters."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 The paper's model is dashed and vermilion, the extended model solid and blue. Error: simulated - measured.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray

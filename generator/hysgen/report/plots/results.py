@@ -1,7 +1,5 @@
 """Pictures of the method `.plot()` of a result."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Common style of all pictures: colours for colour-blind readers, axes, file formats, title and alt text."""
 
-from __future__ import annotations
-
 import base64
 import io
 import pickle

@@ -4,8 +4,6 @@ Frequency response by Welch's method, H1 = S_uy / S_uu, of the measured and of t
 voltage; shown where the measured coherence exceeds LEAST_COHERENCE. Error: simulated - measured.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass

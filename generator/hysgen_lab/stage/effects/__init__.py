@@ -8,8 +8,6 @@ the stage or the bank changes; docs/extend.md adds one step by step.
 `pair` and `poor` draw, and no other category.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

@@ -1,7 +1,5 @@
 """What the amplifier does to the command."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ The first-order hold of `scipy.signal.cont2discrete` puts the input into the sta
 here the input at the begin and at the end of a substep keep weights of their own.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields

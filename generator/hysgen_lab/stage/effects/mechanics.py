@@ -1,7 +1,5 @@
 """What the mechanics and the ceramic do behind the hysteresis: modes, creep, a spring that yields, dry friction."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What moves a reading and not the stage's input: the sensor, disturbances, other channels."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

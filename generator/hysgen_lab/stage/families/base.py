@@ -1,7 +1,5 @@
 """The contract of a family of hysteresis: drawn from random numbers, scaled to a stroke and a loop opening."""
 
-from __future__ import annotations
-
 import dataclasses
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self

@@ -1,7 +1,5 @@
 """The laws of the five families; none is made of play operators or of Duhem states."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, Self
 

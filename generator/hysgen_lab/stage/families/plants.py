@@ -3,8 +3,6 @@
 Commands for the records of a test stage: many levels, amplitudes and rates, over the whole range.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

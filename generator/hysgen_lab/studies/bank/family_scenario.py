@@ -11,8 +11,6 @@ The hysteresis is one of `hysgen_lab.stage.families`. Beside it, drawn from the 
     unknown      stick-slip, jumps, a vibration of changing frequency, or a step of the gain
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The limits that a run of the bank must meet, and whether it meets them.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import signal

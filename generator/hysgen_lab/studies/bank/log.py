@@ -6,8 +6,6 @@
 The first line holds the digest of the package that judged; a log of another state of the package is refused.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

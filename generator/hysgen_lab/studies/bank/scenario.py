@@ -5,8 +5,6 @@ Strengths, rates, ranges, noise and hysteresis are drawn from the seed. No value
 Commands for the bank's records: a good excitation, which every cause responds to, and poor ones.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass

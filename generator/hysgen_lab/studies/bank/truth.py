@@ -4,8 +4,6 @@ The shape parameters of the extensions are those of the plant, and the plant is 
 only take out of a record. The fit finds the linear parameters.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Mapping
 

@@ -5,8 +5,6 @@ of the learned model is divided by that of a fresh fit to the same second. For c
 exactly as the paper prints it, over the same samples.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Sequence
 from importlib import resources

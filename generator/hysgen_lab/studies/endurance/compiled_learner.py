@@ -3,8 +3,6 @@
 Recovery test after an endurance run: a second of persistent excitation, compared with fresh fits to that second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Excitations of the endurance test: one period of each signal on the virtual stage, and the corruption of samples."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final

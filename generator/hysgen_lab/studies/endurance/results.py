@@ -1,7 +1,5 @@
 """Settings and results of endurance tests, as data, JSON values and table rows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final

@@ -4,8 +4,6 @@ The stage is the nominal one: 10 um over 120 V, one pole of 1 ms as in Appendix 
 constants were fixed before the experiments were run and are not tuned to the paper's figures.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Literal
 

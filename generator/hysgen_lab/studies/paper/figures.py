@@ -1,7 +1,5 @@
 """The paper's figures, drawn from our repetition of its experiments."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -3,8 +3,6 @@
 The paper learns off line. Here the C for the DSP is compiled on the host; the bench is that of sections 4.1 and 4.2.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

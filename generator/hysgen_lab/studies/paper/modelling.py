@@ -4,8 +4,6 @@ The paper scores its own model one step ahead and the Prandtl-Ishlinskii model i
 both ways on the same record, beside persistence, y(k+1) = y(k).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

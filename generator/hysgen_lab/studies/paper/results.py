@@ -1,7 +1,5 @@
 """All experiments of the paper repeated, and those of the learner: run, as tables of text, as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any

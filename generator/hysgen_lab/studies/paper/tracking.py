@@ -4,8 +4,6 @@ The inverse runs as generated float32 C compiled on the host, with the bits of t
 before the sine starts. The first period is not scored, because the hysteresis still depends on the identification run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
