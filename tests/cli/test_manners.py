@@ -145,6 +145,14 @@ def test_progress_is_repeated_while_a_computation_says_nothing(monkeypatch: pyte
     console.close()
 
 
+def test_a_big_file_that_is_read_shows_progress(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hysgen.cli.options.BIG_BYTES", 99)
+    assert main(["inspect", "r.csv", "--columns", "time=t,voltage=a,displacement=b"]) == 0
+    assert "reading 0 MB" in capsys.readouterr().err
+
+
 def test_quiet_and_verbose_stand_before_or_behind_the_verb(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     columns = ["--columns", "time=t,voltage=a,displacement=b"]
     assert main(["-q", "fit", "r.csv", *columns, "-o", "a.json", "--method", "batch"]) == 0

@@ -137,15 +137,10 @@ def test_stamps_written_too_coarsely_give_the_mean_rate_and_are_said(
     assert any(f"is rounded to {quantum}" in line for line in record.warnings)
 
 
-def test_a_row_that_is_lost_or_written_twice_is_no_rounding(tmp_path: Path) -> None:
-    for time in (1e-3 * (K + (K > 700)), 1e-3 * (K - (K > 700))):
+def test_a_row_lost_or_written_twice_and_a_clock_that_changes_its_rate_are_no_rounding(tmp_path: Path) -> None:
+    for time in (1e-3 * (K + (K > 700)), 1e-3 * (K - (K > 700)), 1e-3 * (K + np.maximum(K - 1000, 0))):
         with pytest.raises(RecordError, match=r"jumps from|repeats"):
             read(tmp_path, time)
-
-
-def test_a_clock_that_changes_its_rate_is_no_rounding(tmp_path: Path) -> None:
-    with pytest.raises(RecordError, match="jumps from"):
-        read(tmp_path, 1e-3 * (K + np.maximum(K - 1000, 0)))
 
 
 def test_a_repeated_stamp_says_how_many_and_the_option_with_its_number(tmp_path: Path) -> None:

@@ -65,6 +65,10 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+BIG_BYTES = 10_000_000
+"""Size from which on it is said that files are being read: a second of text, and more of what is packed."""
+
+
 def read_records(
     paths: list[str], arguments: argparse.Namespace, console: Console, echo: bool = True, gated: bool = False
 ) -> Record:
@@ -74,14 +78,20 @@ def read_records(
     """
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
     with tempfile.TemporaryDirectory() as folder:
+        files = [_from_stdin(Path(folder)) if path == "-" else Path(path) for path in paths]
+        size = sum(file.stat().st_size for file in files if file.is_file())
+        if size >= BIG_BYTES:
+            console.progress(0.0, f"reading {size / 1e6:.0f} MB")
         record = load_record(
-            [_from_stdin(Path(folder)) if path == "-" else Path(path) for path in paths],
+            files,
             columns.of(WRITTEN_IN.get()),
             jitter=arguments.jitter,
             accept=arguments.accept,
             split_at_gaps=arguments.split_at_gaps,
         )
     record = record.without_wrong_readings(gated)
+    if size >= BIG_BYTES:
+        console.progress(1.0, f"{record.samples} rows are read")
     for warning in record.warnings:
         console.warn(warning)
     if echo:

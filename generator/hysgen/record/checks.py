@@ -259,14 +259,15 @@ def swapped(runs: Sequence[Segment]) -> Iterator[tuple[str, bool, str]]:
         return
     u_noise = max(white_noise(run.u_V) / _deviation(run.u_V) for run in runs)
     y_noise = max(white_noise(run.y_um) / _deviation(run.y_um) for run in runs)
-    time = f"time={first.time}," if runs[0].stamps_s.size else ""
+    time, q = f"time={first.time}," if runs[0].stamps_s.size else "", runs[0].quantities
+    units = f"input={q.input} [{q.input_unit}],output={q.output} [{q.output_unit}]"
     yield (
         "swapped",
         u_noise > max(5.0 * y_noise, 1e-6),
         f"{first.source}: {first.displacement} runs ahead of {first.voltage} in {areas.size} cycles; "
         "the two columns seem to be exchanged (or the voltage was logged late): "
-        f'--columns "{time}voltage={first.displacement},voltage_unit=V,displacement={first.voltage},'
-        'displacement_unit=um" reads them so',
+        f'--columns "{time}voltage={first.displacement},displacement={first.voltage},'
+        f'{units if q.other else "voltage_unit=V,displacement_unit=um"}" reads them so',
     )
 
 

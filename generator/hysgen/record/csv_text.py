@@ -26,7 +26,7 @@ from hysgen.record.columns import NONE, Columns, plain_unit, split_unit
 from hysgen.record.formats.base import Array, FileArrays, Text
 from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
-from hysgen.record.names import ROLES, by_place, guessed, has_time
+from hysgen.record.names import ROLES, by_place, guessed, roles_in
 from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, quantity, values_of
 from hysgen.record.text import as_table, text_of
 
@@ -157,7 +157,7 @@ def _stated_period(layout: Layout, columns: Columns) -> float | None:
     """The period that the preamble states, for a table without time; None where it is not needed."""
     if columns.Ts_s is not None or columns.time in layout.names:
         return None
-    timed = has_time(layout.names, layout.units) if layout.headed else len(layout.names) > 2
+    timed = "time" in roles_in(layout.names, layout.units) if layout.headed else len(layout.names) > 2
     return None if timed else layout.Ts_s
 
 

@@ -104,8 +104,7 @@ class Record(Displayed):
             raise RecordError(
                 f"{source}: Ts_s = {Ts_s:g} s; give the sampling period in s, {1.0 / Ts_s:g} for a rate of {Ts_s:g} Hz"
             )
-        content = Content([run], Columns(aux=()), (), Ts_s)
-        return cls.from_segments(*checked(source, content, JITTER, accept, split_at_gaps=False))
+        return cls.from_segments(*checked(source, Content([run], Columns(aux=()), (), Ts_s), JITTER, accept, False))
 
     @classmethod
     def from_dataframe(cls, frame: Any, columns: Columns | str | Mapping[str, Any] | None = None) -> Record:

@@ -56,10 +56,10 @@ def header(lines: Sequence[str], above: Sequence[int], start: Start) -> tuple[tu
         below = at
         if are_units(fields) and (names or at != above[0]):
             units = units or fields
-        elif roles_in(unique(fields)) > max(1, roles_in(names)) or not names:
+        elif len(roles_in(unique(fields))) > max(1, len(roles_in(names))) or not names:
             names = unique(fields)
             prose = comment and len(split_header(lines[at], start.separator)) != start.fields
-    if prose and roles_in(names, units_by_name(names, units) if units else {}) < LEAST_ROLES:
+    if prose and len(roles_in(names, units_by_name(names, units) if units else {})) < LEAST_ROLES:
         return (), ()
     return names, units
 

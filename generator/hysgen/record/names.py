@@ -136,14 +136,9 @@ def to_paste(columns: Columns, found: dict[str, str], names: Sequence[str]) -> s
     return '--columns "' + ",".join(pairs) + '"'
 
 
-def roles_in(names: Sequence[str], units: Mapping[str, str] = NOTHING) -> int:
-    """How many roles have a column among the names."""
-    return sum(bool(_best(role, [name for name in names if name], units)) for role in ROLES)
-
-
-def has_time(names: Sequence[str], units: Mapping[str, str] = NOTHING) -> bool:
-    """Whether a column is a time, by its name or its unit."""
-    return bool(_best("time", [name for name in names if name], units))
+def roles_in(names: Sequence[str], units: Mapping[str, str] = NOTHING) -> set[str]:
+    """The roles that have a column among the names."""
+    return {role for role in ROLES if _best(role, [name for name in names if name], units)}
 
 
 def _unit_alone(name: str) -> str:

@@ -222,8 +222,8 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
     falls = slow < UNRELATED if lag.correlation <= -UNRELATED else slow < -UNRELATED and lag.correlation < UNRELATED
     if falls and coherent_share(run) > UNEXPLAINED:
         yield (
-            f"{names} falls as {drive} rises slowly (correlation {slow:.2f}): an inverted sensor? Then "
-            "--columns displacement_unit=-1um (-1nm, ...) changes its sign"
+            f"{names} falls as {drive} rises slowly (correlation {slow:.2f}): an inverted sensor? Then --columns "
+            f"displacement_unit=-1{run.quantities.output_unit} changes its sign"
         )
         return
     if abs(lag.correlation) < UNRELATED:

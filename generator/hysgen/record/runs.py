@@ -90,7 +90,7 @@ def runs_of_arrays(source: str, file: FileArrays, columns: Columns, Ts_s: float 
         u_V = columns.in_base_unit("voltage", series_of(source, columns.voltage, values))
         y_um = columns.in_base_unit("displacement", series_of(source, columns.displacement, y[number][1]))
         further = {name: series_of(source, name, values[number]) for name, values in aux.items()}
-        runs.append(Segment(label, u_V, y_um, further, stamps_s=stamps, origin=origin))
+        runs.append(Segment(label, u_V, y_um, further, quantities=columns.quantities, stamps_s=stamps, origin=origin))
     if len(runs) > 1:
         return runs
     if key_of(arrays, columns.segment) is None and columns.segment == Columns.segment:

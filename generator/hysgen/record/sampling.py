@@ -157,12 +157,11 @@ def _check_rising(run: Segment) -> None:
 
 def _check_even(run: Segment, period: float, jitter: float) -> None:
     steps = np.diff(run.stamps_s)
-    name = run.origin.time
     gaps = np.flatnonzero(steps > GAP * period)
     if gaps.size:
         step = int(gaps[0])
         raise RecordError(
-            f"{run.origin.at(step + 1)}: {name} jumps from {run.stamps_s[step]:.9g} s by "
+            f"{run.origin.at(step + 1)}: {run.origin.time} jumps from {run.stamps_s[step]:.9g} s by "
             f"{steps[step]:.6g} s where the period is {period:.6g} s ({gaps.size} such gaps); "
             "number the runs in a segment column, or give --split-at-gaps"
         )
@@ -170,7 +169,7 @@ def _check_even(run: Segment, period: float, jitter: float) -> None:
     step = int(np.argmax(off))
     if off[step] > jitter:
         raise RecordError(
-            f"{run.origin.at(step + 1)}: {name} steps by {steps[step]:.6g} s where the period is "
+            f"{run.origin.at(step + 1)}: {run.origin.time} steps by {steps[step]:.6g} s where the period is "
             f"{period:.6g} s: {100 * off[step]:.1f} % off, the worst of {np.count_nonzero(off > jitter)} "
             f"above {100 * jitter:g} %; sample evenly, write the time with more digits, or give "
             f"--jitter {np.ceil(100.0 * off[step]) / 100.0:g}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from hysgen.errors import RecordError
 from hysgen.record.formats.base import Array, FileArrays, Format, one_line
-from hysgen.record.formats.packed import parts_of
+from hysgen.record.formats.packed import ZIP, parts_of
 
 NPY = b"\x93NUMPY"
 
@@ -23,7 +23,7 @@ def read_npz(path: Path) -> FileArrays:
     with path.open("rb") as stream:
         if stream.read(len(NPY)) == NPY:
             return _read_npy(path)
-    if not zipfile.is_zipfile(path):
+    if not zipfile.is_zipfile(path) or not parts_of(path, ZIP):
         raise RecordError(f"{path.name}: is not an NPZ file; write it with numpy.savez, or give it its own suffix")
     arrays: dict[str, Array] = {}
     name = ""
