@@ -13,6 +13,7 @@ import pytest
 import hysgen
 from hysgen.cli import main
 from hysgen.errors import HysgenError
+from hysgen.feedback.certificate import margins
 from hysgen.feedback.design import largest_gain
 
 SCRIPT = importlib.util.spec_from_file_location("loops", Path(__file__).parents[2] / "benchmarks" / "loops.py")
@@ -44,6 +45,11 @@ def test_the_gain_is_the_largest_that_keeps_the_margins() -> None:
     nearest = np.min(away**2 + (size_dB / 6.0) ** 2)
     assert nearest == pytest.approx(1.0, abs=1e-3)
     assert size_dB[np.argmin(np.abs(away))] <= -6.0
+    # |L| = 1 where w = 2 asin(K / 2), and L is real and negative where w = pi / 7, 3 pi / 7 ...
+    loop, crossing = gain * np.exp(-3j * w) / (np.exp(1j * w) - 1.0), 2.0 * math.asin(0.5 * gain)
+    own = -20.0 * math.log10(gain / (2.0 * math.sin(math.pi / 14.0))), 90.0 - math.degrees(3.5 * crossing)
+    assert margins(np.array([loop, 0.5 * loop])[:, ::300]) == pytest.approx(own, rel=0.01)
+    assert margins(np.full((1, 9), 0.5 + 0.1j)) == (math.inf, 180.0)
 
 
 @pytest.mark.slow

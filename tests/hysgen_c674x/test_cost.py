@@ -173,6 +173,7 @@ def test_estimates_are_the_stated_sums_and_a_budget_is_met_to_the_cycle() -> Non
     [
         ("while (u > 0.0f) { u = u - 1.0f; } return u;", "While has no fixed cost"),
         ("for (uint32_t i = 0u; i < *n; ++i) { u = u * u; } return u;", "not an integer constant"),
+        ("for (uint32_t i = 3u; i > 1u; --i) { u = u * u; } return u;", "runs while its index is below a constant"),
         ("return u / 3.0f;", "float32 / is not part of the arithmetic"),
         ("return sqrtf(u);", "sqrtf is not defined"),
     ],

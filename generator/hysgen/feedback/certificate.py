@@ -155,7 +155,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
     certificate = Certificate(
         len(cloud),
         bandwidth_Hz,
-        *_margins(loops),
+        *margins(loops),
         float(20.0 * np.log10(np.abs(1.0 / (1.0 + loops)).max())),
         max(float(np.abs(np.linalg.eigvals(A)).max()) for A, _, _ in closed),
         settling,
@@ -175,7 +175,7 @@ def _gain(loops: Complex, model: Model) -> float:
     return gain
 
 
-def _margins(loops: Complex) -> tuple[float, float]:
+def margins(loops: Complex) -> tuple[float, float]:
     """Least gain margin in dB and phase margin in degrees; between frequencies L is a straight line."""
     a, b = loops[:, :-1], loops[:, 1:]
     cross = (a.imag < 0.0) != (b.imag < 0.0)
