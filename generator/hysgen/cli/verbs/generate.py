@@ -166,7 +166,7 @@ def cost_arguments(parser: argparse.ArgumentParser) -> None:
         "--target",
         type=lambda name: target(name, "weights"),
         metavar="{" + ",".join(named("weights")) + "}",
-        help="count cycles on the target's instruction set",
+        help="cycles of this processor: counted on the instruction set (c674x) or by a model of it",
     )
 
 
