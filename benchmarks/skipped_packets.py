@@ -11,7 +11,7 @@ docs/firmware.md has the figures.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy as np
 from hysgen.errors import TargetError
 from hysgen.firmware.binding import CONTROLLER, SIMULATOR_BOARD, firmware_model, read_sources, with_learner
 from hysgen.firmware.host import State
-from hysgen.firmware.image import encode
+from hysgen.firmware.image import Label, encode
 from hysgen.firmware.wire import image_frames
 from hysgen.model.file import load_model
 from hysgen_c674x.firmware.simulated import virtual_stage
@@ -32,8 +32,8 @@ LOW_V, HIGH_V = -1.0, 55.0
 """Limits inside those of the converters, and close to the voltages of the way: the loop's highest is 54 V."""
 BEYOND_UM = np.float32(9.0)
 SAMPLES = 2000
-START = 31
-"""Samples from START to LOOP: 16 of POWER, 13 of RISE, and two to spare."""
+START = 47
+"""Samples from START to the way back of LOOP: 16 of POWER, 13 of RISE, 16 on the way up, and two to spare."""
 KEY = bytes([1, *bytes(15)])
 """Of the simulator's board."""
 SPARSE = 41
@@ -49,25 +49,39 @@ BOARD = {
 }
 MEMORY = f"""
 #include "bank.h"
+#include "bytes.h"
 #include "firmware.h"
 extern firmware_t simulated;
 extern board_t simulated_board;
-static uint8_t slots[BOARD_SLOTS][BOARD_SLOT_BYTES];
+static uint32_t slots[BOARD_SLOTS][BOARD_SLOT_BYTES / 4u];
 static uint32_t beyond;
+static uint32_t words_left = 0xFFFFFFFFu;
+static uint32_t last_bits;
+/* After so many words more the power fails; of the last one only these bits change. */
+void cut(uint32_t words, uint32_t bits);
+void cut(uint32_t words, uint32_t bits) {{ words_left = words; last_bits = bits; }}
+static void change(uint32_t slot, uint32_t at, uint32_t word)
+{{
+    uint32_t *place = &slots[slot & 1u][at & 1023u];
+    if (words_left != 0u) {{
+        *place ^= (*place ^ word) & ((words_left == 1u) ? last_bits : 0xFFFFFFFFu);
+        words_left -= 1u;
+    }}
+}}
 void hysgen_board_store_read(board_t *board, uint32_t slot, uint32_t offset, uint8_t *bytes, uint32_t count)
 {{
     (void)board;
-    for (uint32_t i = 0u; i < count; ++i) {{ bytes[i] = slots[slot & 1u][(offset + i) & 4095u]; }}
+    for (uint32_t i = 0u; i < count; i += 4u) {{ bytes_put(&bytes[i], slots[slot & 1u][((offset + i) >> 2) & 1023u]); }}
 }}
 void hysgen_board_store_erase(board_t *board, uint32_t slot)
 {{
     (void)board;
-    for (uint32_t i = 0u; i < BOARD_SLOT_BYTES; ++i) {{ slots[slot & 1u][i] = 255u; }}
+    for (uint32_t i = 0u; i < 1024u; ++i) {{ change(slot, i, 0xFFFFFFFFu); }}
 }}
 uint32_t hysgen_board_store_write(board_t *board, uint32_t slot, uint32_t offset, const uint8_t *bytes, uint32_t count)
 {{
     (void)board;
-    for (uint32_t i = 0u; i < count; ++i) {{ slots[slot & 1u][(offset + i) & 4095u] = bytes[i]; }}
+    for (uint32_t i = 0u; i < count; i += 4u) {{ change(slot, (offset + i) >> 2, bytes_word(&bytes[i])); }}
     return 1u;
 }}
 void judge(float u_V);
@@ -84,6 +98,14 @@ uint32_t driven(void)
     const model_t *model = &simulated.controller.model;
     return (simulated.controller.state == CONTROLLER_LOOP) ? hysgen_bank_check(&model->bank[model->active]) : 0u;
 }}
+uint32_t counter(void);
+uint32_t counter(void) {{ return simulated.store.counter; }}
+uint32_t words_changed(void);
+uint32_t words_changed(void) {{ return 0xFFFFFFFFu - words_left; }}
+void panic(void);
+void panic(void) {{ hysgen_firmware_panic(&simulated, &simulated_board); }}
+uint32_t first_fault(void);
+uint32_t first_fault(void) {{ return simulated.controller.first; }}
 void ask(void);
 void ask(void) {{ simulated.controller.request = CONTROLLER_START; }}
 """
@@ -91,10 +113,13 @@ void ask(void) {{ simulated.controller.request = CONTROLLER_START; }}
 MODEL = with_learner(load_model("appendix_a"))
 
 
-def machine() -> Machine:
-    """Controller, model, and the simulator's board with a store and with limits of its own."""
+def machine(further: Mapping[str, str] | None = None) -> Machine:
+    """Controller, model, and the simulator's board with a store and with limits of its own.
+
+    further: texts of the board to be replaced.
+    """
     board = dict(read_sources(SIMULATOR_BOARD))
-    for old, new in BOARD.items():
+    for old, new in (BOARD | dict(further or {})).items():
         if board["board.c"].count(old) != 1:
             raise SystemExit(f"board.c: no longer has {old!r} once")
         board["board.c"] = board["board.c"].replace(old, new)
@@ -161,33 +186,49 @@ def interrupts(target: Machine) -> None:
             break
 
 
-def images(target: Machine) -> None:
-    """The pass of the idle loop that gets the last byte of a good image with one wrong bit in its MAC."""
+def driven(target: Machine) -> int:
+    """The check word of the parameters that drive behind a START, 0 if none do."""
+    target.call("ask")
+    for sample in range(START):
+        reading = np.float32(MODEL.grid.y_min_um + 0.001 * (sample % 2))
+        target.call("hysgen_simulated_interrupt", reading, BEYOND_UM)
+    return target.call("driven").bits
 
-    def driven() -> int:
-        """The check word of the parameters that drive behind a START, 0 if none do."""
-        target.call("ask")
-        for sample in range(START):
-            reading = np.float32(MODEL.grid.y_min_um + 0.001 * (sample % 2))
-            target.call("hysgen_simulated_interrupt", reading, BEYOND_UM)
-        return target.call("driven").bits
 
-    target.call("hysgen_simulated_boot")
-    built_in = driven()
-    assert built_in != 0
-    target.call("hysgen_simulated_boot")
-    forged = bytearray(encode(replace(MODEL, consequents=MODEL.consequents * [1.0, 1.01, 1.0]), KEY))
-    forged[-1] ^= 1
-    line = b"".join(image_frames(bytes(forged)))
+def image(gain: float, counter: int) -> bytes:
+    """A good image of the model with another gain."""
+    return encode(replace(MODEL, consequents=MODEL.consequents * [1.0, gain, 1.0]), KEY, Label(counter=counter))
+
+
+def send(target: Machine, data: bytes) -> None:
+    """All bytes of an image to the line; the next pass of the idle loop gets the last one."""
+    line = b"".join(image_frames(data))
     for byte in line[:-1]:
         target.call("hysgen_simulated_send", byte)
         target.call("hysgen_simulated_idle")
     target.call("hysgen_simulated_send", line[-1])
 
+
+def images(target: Machine) -> None:
+    """The pass of the idle loop that gets the last byte of a good image with one wrong bit in its MAC."""
+
+    target.call("hysgen_simulated_boot")
+    built_in = driven(target)
+    assert built_in != 0
+    target.call("hysgen_simulated_boot")
+    good = image(1.01, 1)
+    forged = good[:-1] + bytes([good[-1] ^ 1])
+    before = bytes(target.processor.memory)
+    send(target, good)
+    target.call("hysgen_simulated_idle")
+    assert driven(target) not in (built_in, 0), "with its right MAC it is taken"
+    target.processor.memory[:] = before
+    send(target, forged)
+
     def unsafe(back: bool) -> bool:
-        at_once = driven() if back else 0
+        at_once = driven(target) if back else 0
         target.call("hysgen_simulated_boot")
-        return not {at_once, driven()} <= {built_in, 0}
+        return not {at_once, driven(target)} <= {built_in, 0}
 
     report("idle loop, an image with a wrong MAC", target, unsafe, "hysgen_simulated_idle")
 

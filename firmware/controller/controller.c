@@ -30,6 +30,12 @@ uint32_t hysgen_controller_drives(const controller_t *self)
     return (uint32_t)((self->state != CONTROLLER_OFF) && (self->state != CONTROLLER_TRIPPED));
 }
 
+static void controller_restart_trace(controller_t *self)
+{
+    self->trace.count = 0u;
+    self->trace.behind = 0u;
+}
+
 void hysgen_controller_init(controller_t *self, const settings_t *settings, float rest_V)
 {
     self->settings = settings;
@@ -72,6 +78,7 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     self->samples = 0u;
     hysgen_watchdog_init(&self->watchdog, settings);
     hysgen_trim_init(&self->trim);
+    controller_restart_trace(self);
     model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     model_learn_init(&self->learner, &self->model);
     bank_copy(&self->bank, &self->model.bank[self->model.active]);
@@ -91,8 +98,7 @@ uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank,
 }
 
 /* The model starts where the stage is, under the voltage that it has, with the parameters to begin with. Its inverse keeps to the
- * limits of the output, so that model and stage get the same voltage. Parameters that are not those which were meant, because a wild
- * access or a glitch came between, drive nothing. [S9] */
+ * limits of the output, so that model and stage get the same voltage. */
 static void controller_begin(controller_t *self)
 {
     model_init(&self->model, self->watchdog.reading_um, self->output_V);
@@ -101,9 +107,6 @@ static void controller_begin(controller_t *self)
     bank_copy(&self->model.bank[1], &self->bank);
     model_init(&self->witness, self->watchdog.reading_um, self->output_V);
     bank_copy(&self->witness.bank[self->witness.active], &self->bank);
-    if (hysgen_bank_check(&self->model.bank[self->model.active]) != self->bank_check) {
-        self->status |= STATUS_FAULT_MEMORY;
-    }
     hysgen_trim_init(&self->trim);
     self->upward = 1u;
     self->begun = 1u;
@@ -141,6 +144,7 @@ static void controller_take_request(controller_t *self)
         self->clears += 1u;
         if (hysgen_controller_drives(self) == 0u) {
             self->first = 0u;
+            controller_restart_trace(self);
             hysgen_watchdog_init(&self->watchdog, self->settings);
         }
         if ((self->state == CONTROLLER_TRIPPED) && (self->status == 0u)) {
@@ -249,7 +253,8 @@ static void controller_compare(controller_t *self)
     self->below_um = (beyond_um < self->below_um) ? beyond_um : self->below_um;
 }
 
-/* Voltage of LOOP; the model follows by simulation. At the end the strokes of stage and model are compared. */
+/* Voltage of LOOP; the model follows by simulation. At its highest voltage the parameters must be those that were meant: others, because a
+ * wild access or a glitch came between, are told before the inverse uses them [S9]. At the end the strokes of stage and model are compared. */
 static float controller_loop(controller_t *self)
 {
     const settings_t *settings = self->settings;
@@ -260,6 +265,9 @@ static float controller_loop(controller_t *self)
     if (u_V == target_V) {
         if (self->upward != 0u) {
             self->upward = 0u;
+            if (hysgen_bank_check(&self->model.bank[self->model.active]) != self->bank_check) {
+                self->status |= STATUS_FAULT_MEMORY;
+            }
             self->top_um = self->watchdog.reading_um;
             self->top_model_um = self->model.y_um;
             self->above_um = self->top_um - self->top_model_um;
@@ -484,12 +492,30 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     return self->output_V;
 }
 
+/* The sample of this interrupt; dropped once TRACE_BEHIND of them had a fault. */
+static void controller_trace(controller_t *self)
+{
+    trace_t *trace = &self->trace;
+
+    if (trace->behind < TRACE_BEHIND) {
+        uint32_t *place = &trace->words[TRACE_WORDS * (trace->count & (TRACE_SAMPLES - 1u))];
+
+        place[0] = number_bits(self->watchdog.raw_um);
+        place[1] = number_bits(self->output_V);
+        place[2] = number_bits(self->reference_um);
+        place[3] = (uint32_t)self->state;
+        trace->count += 1u;
+        trace->behind += (uint32_t)(self->first != 0u);
+    }
+}
+
 /* A commit reads and writes parameters, their age and its candidate only. A sample that comes inside a commit is handed on as a reading
  * that is none: the learner rejects it before it touches these, but its path and its terms go on with the stage. */
 void hysgen_controller_learn(controller_t *self)
 {
     float sample_um = self->watchdog.sample_um;
 
+    controller_trace(self);
     if ((self->begun != 0u) && ((self->settings->options & SETTINGS_LEARN) != 0u)) {
         self->start_um = model_simulate(&self->witness, self->output_V);
     }

@@ -25,6 +25,7 @@
 #include "play.h"
 #include "settings.h"
 #include "status.h"
+#include "trace.h"
 #include "trim.h"
 #include "watchdog.h"
 
@@ -90,6 +91,7 @@ typedef struct {
     float expected_um[CONTROLLER_LINE];  /* displacements of the stage by the model for the samples in between */
     uint32_t oldest;
     watchdog_t watchdog;
+    trace_t trace;           /* of the samples around the first fault */
     trim_t trim;
     model_t model;
     model_t witness;         /* with learning: the model as it was at START, under the voltage that is put out */

@@ -49,7 +49,8 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
         const uint32_t *kept = hysgen_board_kept(board);
 
         self->controller.status |= STATUS_FAULT_RESET;  /* [S8] */
-        self->controller.first = (kept[1] == (kept[0] ^ FIRMWARE_KEPT)) ? kept[0] : 0u;
+        /* Both words are of faults, though the reset may have come between them. */
+        self->controller.first = (((kept[0] | (kept[1] ^ FIRMWARE_KEPT)) & ~STATUS_FAULTS) == 0u) ? kept[0] : 0u;
     }
     if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
@@ -222,6 +223,16 @@ static void firmware_answer_record(firmware_t *self, uint32_t place)
     }
 }
 
+static void firmware_answer_trace(firmware_t *self, uint32_t place)
+{
+    const trace_t *trace = &self->controller.trace;
+
+    hysgen_link_add(&self->link, trace->count);
+    for (uint32_t i = 0u; i < LINK_CHUNK / 4u; ++i) {
+        hysgen_link_add(&self->link, trace->words[(place + i) & ((TRACE_WORDS * TRACE_SAMPLES) - 1u)]);
+    }
+}
+
 static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
 {
     uint8_t code = LINK_LENGTH;
@@ -324,7 +335,7 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
         code = firmware_piece(self, data, length);
     } else if (kind == LINK_TABLE) {
         code = firmware_table(self, data, length);
-    } else if (kind == LINK_RECORD) {
+    } else if ((kind == LINK_RECORD) || (kind == LINK_TRACE)) {
         code = (length == 4u) ? LINK_DONE : LINK_LENGTH;
     } else if ((kind == LINK_STATUS) || (kind == LINK_IDENTIFY)) {
         code = (length == 0u) ? LINK_DONE : LINK_LENGTH;
@@ -340,6 +351,9 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     }
     if ((code == LINK_DONE) && (kind == LINK_RECORD)) {
         firmware_answer_record(self, bytes_word(data) >> 1);
+    }
+    if ((code == LINK_DONE) && (kind == LINK_TRACE)) {
+        firmware_answer_trace(self, bytes_word(data) >> 2);
     }
     hysgen_link_close(&self->link);
 }

@@ -22,6 +22,7 @@ LINKAGE_BEGIN
 #define LINK_IDENTIFY   5u  /* no data; answer: LINK_IDENTITY_WORDS words, then the model's name */
 #define LINK_TABLE      6u  /* a word: offset in bytes; then up to LINK_CHUNK bytes of its codes, at rest. Offset 0 begins a table */
 #define LINK_RECORD     7u  /* a word: offset in bytes; answer: samples played, then LINK_CHUNK bytes of codes, see play.h */
+#define LINK_TRACE      8u  /* a word: offset in bytes; answer: samples traced, then LINK_CHUNK bytes of words, see trace.h */
 #define LINK_ANSWER     0x80u
 
 #define LINK_DONE       0u

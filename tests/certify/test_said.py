@@ -73,11 +73,7 @@ def test_lines_of_certificates_say_the_verdict_with_its_numbers() -> None:
         "inverse: Eq. (11); slope of the hysteresis 0.5 .. 1.5 of its mean 0.08 um/V (for every past); "
         "zeros of creep and modes within 0.250000; modes left out"
     )
-    assert SOUND.lines() == (
-        f"{gain}: holds",
-        f"{slope}: contraction holds, w within -1 .. 4 um",
-        f"{inverse}: holds",
-    )
+    assert SOUND.lines() == (f"{gain}: holds", f"{slope}: contraction holds, w within -1 .. 4 um", f"{inverse}: holds")
     assert SOUND.summary().title == "certificates: gain holds; contraction holds; inverse holds"
     weak = changed(gain_lowest=Extremum(-0.2, -0.21, 1.5))
     assert weak.lines()[0].endswith(": NOT certified, no inverse can be emitted")

@@ -126,11 +126,7 @@ def test_the_farthest_shadow_that_is_accepted_in_any_direction_is_certified(mode
     assert farthest_are_certified(model)
 
 
-@pytest.mark.parametrize(
-    "protection",
-    [{"gain_floor": -np.inf}, {"slope_limit": 2.0}],
-    ids=["gain", "slope"],
-)
+@pytest.mark.parametrize("protection", [{"gain_floor": -np.inf}, {"slope_limit": 2.0}], ids=["gain", "slope"])
 def test_without_a_protection_an_uncertified_shadow_would_pass(protection: dict[str, float]) -> None:
     """What the test above rests on: it can tell."""
 

@@ -33,10 +33,7 @@ def planted(anchor: str, replacement: str) -> Mapping[str, str]:
 
 def learners() -> Mapping[str, LearnerSettings]:
     """Kinds of learner whose C has another shape than the one in `small_everything`."""
-    return {
-        "bias": LearnerSettings(learned=("bias",)),
-        "windowed": LearnerSettings(points_per_call=4, forgetting=1.0),
-    }
+    return {"bias": LearnerSettings(learned=("bias",)), "windowed": LearnerSettings(points_per_call=4, forgetting=1.0)}
 
 
 @pytest.mark.parametrize("name", ["appendix_a", "extended", "diagnosed", "small_everything", "smooth_50"])

@@ -23,7 +23,7 @@ from fixtures.tools import library
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest
-from hysgen.firmware.host import HostFirmware, Request, Settings, State
+from hysgen.firmware.host import BoardFault, HostFirmware, Request, Settings, State
 from hysgen.firmware.image import ANSWERS, Label, Owner, encode
 from hysgen.firmware.link import Client
 from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, image_frames, payload
@@ -277,3 +277,30 @@ def test_a_board_without_flash_refuses_every_image() -> None:
     status = simulated.status()
     assert ANSWERS[status.image_answer] == ANSWERS[7]
     assert status.counter == 0
+
+
+def test_the_trace_has_the_samples_around_the_first_fault_and_begins_anew_with_clear() -> None:
+    firmware = owned()
+    client = Client(Direct(firmware))
+    with pytest.raises(HysgenError, match="no fault since CLEAR"):
+        client.trace()
+    firmware.start(2.0)
+    logs = [firmware.run(np.full(900, 2.0))]
+    firmware.fail(BoardFault.READING, value=float("nan"))
+    logs.append(firmware.run(np.full(900, 2.0)))
+    voltage_V, reading_um = (
+        np.concatenate([getattr(log, name) for log in logs]) for name in ("output_V", "reading_um")
+    )
+    table = [row.split(",") for row in client.trace().split("\n")[1:-1]]
+    trip = next(k for k, row in enumerate(table) if row[4] == "TRIP")
+    fault = int(np.flatnonzero(np.isnan(reading_um))[0]) + QUICK.bad_samples - 1
+    assert (len(table), trip) == (1024, 768)
+    around = slice(fault - 768, fault + 256)
+    read = np.array([[float(word) for word in row[:4]] for row in table])
+    assert np.array_equal(np.float32(read[:, 1]), reading_um[around], equal_nan=True)
+    assert np.array_equal(np.float32(read[:, 2]), voltage_V[around])
+    assert (np.diff(read[:, 0]) == 1).all()
+    firmware.board.fault = BoardFault.NONE
+    firmware.run(np.full(4000, 2.0))
+    client.request(Request.CLEAR)
+    assert client.status().first_fault == 0

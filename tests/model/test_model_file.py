@@ -154,10 +154,7 @@ def test_other_files_are_refused_in_one_line(content: bytes, tmp_path: Path) -> 
     ("earlier", "told"),
     [
         ({"calls_per_update": 8}, "calls_per_update 8: every update is one call now; fit again"),
-        (
-            {"learned": ["slope", "gain", "offset", "terms"]},
-            "learned terms: weights of terms are constant now",
-        ),
+        ({"learned": ["slope", "gain", "offset", "terms"]}, "learned terms: weights of terms are constant now"),
     ],
 )
 def test_settings_of_earlier_learners_are_refused_with_what_to_do(earlier: dict[str, Any], told: str) -> None:

@@ -147,10 +147,7 @@ def test_blocks_out_of_order_or_twice_are_refused() -> None:
 @pytest.mark.parametrize(
     ("data", "complaint"),
     [
-        (
-            {"kind": "echo"},
-            f"blocks: kind 'echo' is unknown; this hysgen knows {', '.join(sorted(ORDER.split(', ')))}",
-        ),
+        ({"kind": "echo"}, f"blocks: kind 'echo' is unknown; this hysgen knows {', '.join(sorted(ORDER.split(', ')))}"),
         ({"kind": "saturation", "low_V": 1.0, "high_V": 1.0}, "blocks: saturation: low_V must lie below high_V"),
         ({"kind": "slew", "rise_V_s": -1.0, "fall_V_s": 1.0}, "blocks: slew: rise_V_s and fall_V_s must be positive"),
         ({"kind": "delay", "samples": -0.5}, "blocks: delay: samples must be 0 to 1000"),

@@ -93,14 +93,7 @@ def test_a_score_shows_one_step_horizon_and_free_run_beside_persistence() -> Non
     assert data["free_run"]["e_rms_um"] == scores.free_run.e_rms_um
     assert data["settle"] == 20
     assert data["record"]["digest"] == record.digest
-    for phrase in (
-        "free run",
-        "one step",
-        "persistence",
-        "noise floor",
-        "rms um after ",
-        "5960 samples scored",
-    ):
+    for phrase in ("free run", "one step", "persistence", "noise floor", "rms um after ", "5960 samples scored"):
         assert phrase in scores.table()
 
 

@@ -44,13 +44,7 @@ from hysgen.report.page import (
 )
 from hysgen.report.pages import ScoredModels, diagnosis_page, file_names, key_figures, model_page
 from hysgen.report.plots import style
-from hysgen.report.plots.diagnosis import (
-    BAR,
-    horizon_picture,
-    ladder_picture,
-    shares_picture,
-    spectrum_picture,
-)
+from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, shares_picture, spectrum_picture
 from hysgen.report.plots.diagnosis import profile_picture as drawn_profile
 from hysgen.report.plots.results import draw
 from hysgen.uncertainty.gum import Budget, Contribution

@@ -9,13 +9,7 @@ import pytest
 from fixtures.tools import library
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
-from hysgen.uncertainty.gum import (
-    Budget,
-    Contribution,
-    SensorUncertainty,
-    independent_samples,
-    rectangular,
-)
+from hysgen.uncertainty.gum import Budget, Contribution, SensorUncertainty, independent_samples, rectangular
 from hysgen.uncertainty.simulated import Evidence, Repeatability, budget, repeatability
 from hysgen_lab.studies.coverage import coverage
 

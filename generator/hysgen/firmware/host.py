@@ -27,7 +27,7 @@ from hysgen.model.path import preview
 Floats32 = NDArray[np.float32]
 
 HEADERS: Final = (
-    *("linkage.h", "board_type.h", "board.h", "settings.h", "status.h", "play.h", "trim.h", "watchdog.h"),
+    *("linkage.h", "board_type.h", "board.h", "settings.h", "status.h", "play.h", "trim.h", "watchdog.h", "trace.h"),
     *("controller.h", "image.h", "store.h", "frame.h", "link.h", "integrity.h", "firmware.h"),
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
@@ -42,29 +42,10 @@ SLOT_BYTES: Final = 4096
 NO_CUT: Final = 0xFFFFFFFF
 
 
-class State(IntEnum):
-    """State of the controller (controller.h)."""
-
-    OFF = 0
-    POWER = 1
-    RISE = 2
-    LOOP = 3
-    HOLD = 4
-    APPROACH = 5
-    TRACK = 6
-    FALL = 7
-    TRIP = 8
-    TRIPPED = 9
-    PLAY = 10
-
-
-class Request(IntEnum):
-    """Requests to the controller (controller.h)."""
-
-    START = 1
-    STOP = 2
-    CLEAR = 3
-    RECORD = 4
+State = IntEnum("State", "OFF POWER RISE LOOP HOLD APPROACH TRACK FALL TRIP TRIPPED PLAY", start=0)
+"""State of the controller (controller.h)."""
+Request = IntEnum("Request", "START STOP CLEAR RECORD")
+"""Requests to the controller (controller.h)."""
 
 
 class FirmwareStatus(IntFlag):
@@ -105,19 +86,8 @@ FAULTS: Final = 0x1FFF0000
 """Mask of the bits of FirmwareStatus that bring the voltage down (STATUS_FAULTS of status.h)."""
 
 
-class BoardFault(IntEnum):
-    """Faults that the host's board can simulate (board/host/board_type.h)."""
-
-    NONE = 0
-    STUCK = 1
-    READING = 2
-    SATURATED = 3
-    LIMITS = 4
-    AMPLIFIER = 5
-    LATE = 6
-    OVERRUN = 7
-    LOST = 8
-    STOPPED = 9
+BoardFault = IntEnum("BoardFault", "NONE STUCK READING SATURATED LIMITS AMPLIFIER LATE OVERRUN LOST STOPPED", start=0)
+"""Faults that the host's board can simulate (board/host/board_type.h)."""
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,8 @@ class Line(Protocol):
         ...
 
 
+TRACED, TRACE_ROW = 1024, struct.Struct("<3fI")
+"""Samples of a trace and words of each (trace.h)."""
 CODES_16: Final = 65535
 """Largest code of a voltage or reading on the line (play.h)."""
 
@@ -178,18 +180,37 @@ class Client:
         self.request(Request.RECORD)
         while (status := self.status()).state not in (State.OFF, State.TRIPPED):
             continue
-        data, done = b"", codes.size
-        while len(data) < 2 * done:
-            answer = self._ask(Command.RECORD, struct.pack("<I", len(data)))
-            (done,) = struct.unpack_from("<I", answer)
-            data += answer[4:]
-            progress(0.5 + 0.5 * min(1.0, len(data) / (2 * codes.size)))
+        data, done = self._read(Command.RECORD, 2, codes.size, lambda share: progress(0.5 + 0.5 * share))
         if done < codes.size:
             bits = FirmwareStatus(status.status).name or "STOP"
             raise HysgenError(f"the table ended in front of row {done} of {codes.size} of its samples: {bits}")
         read = np.frombuffer(data, "<u2", done)
         reading_um = np.where(read == 0, np.nan, identity.low_um + step_um * read)
         return time_s, identity.low_V + step_V * codes, reading_um
+
+    def trace(self, progress: Callable[[float], None] = lambda _: None) -> str:
+        """The samples around the first fault as a table of text; the fault is the first sample of TRIP or TRIPPED.
+
+        Raises HysgenError if there was no fault since CLEAR.
+        """
+        if self.status().first_fault == 0:
+            raise HysgenError("there was no fault since CLEAR, around which samples are kept")
+        data, count = self._read(Command.TRACE, TRACE_ROW.size, TRACED, progress)
+        rows = [*TRACE_ROW.iter_unpack(data)][:count]
+        oldest = count % TRACED if count > TRACED else 0
+        ordered = enumerate(rows[oldest:] + rows[:oldest], start=max(0, count - TRACED))
+        lines = (f"{k},{y:.9g},{u:.9g},{r:.9g},{State(state).name}" for k, (y, u, r, state) in ordered)
+        return "\n".join(("sample,displacement_um,voltage_V,reference_um,state", *lines, ""))
+
+    def _read(self, kind: Command, size: int, most: int, progress: Callable[[float], None]) -> tuple[bytes, int]:
+        """Memory of rows of `size` bytes, up to `most`, and how many the firmware says there are."""
+        data, done = b"", most
+        while len(data) < size * min(done, most):
+            answer = self._ask(kind, struct.pack("<I", len(data)))
+            (done,) = struct.unpack_from("<I", answer)
+            data += answer[4:]
+            progress(min(1.0, len(data) / (size * most)))
+        return data, done
 
     def _ask(self, kind: Command, data: bytes = b"") -> bytes:
         """The data of the answer; the command is repeated where an answer does not come."""

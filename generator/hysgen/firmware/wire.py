@@ -31,6 +31,7 @@ class Command(IntEnum):
     IDENTIFY = 5
     TABLE = 6
     RECORD = 7
+    TRACE = 8
 
 
 CODES: Final = ("done", "no such command", "too few or too many data", "a value out of range or order")

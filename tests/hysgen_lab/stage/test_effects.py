@@ -97,10 +97,7 @@ def test_delay_is_late_by_its_fraction_of_a_sample(samples: float) -> None:
 def test_delay_in_seconds_is_the_same_at_every_rate() -> None:
     assert run(
         BARE.with_effects(delay=DelayEffect(seconds=3e-3)), np.full(9, 12.0), 1e-3, rest_V=0.0
-    ).displacement_um.tolist() == [
-        *(0.0,) * 4,
-        *(1.0,) * 5,
-    ]
+    ).displacement_um.tolist() == [*(0.0,) * 4, *(1.0,) * 5]
 
 
 def test_saturation_clips_at_its_levels() -> None:

@@ -12,15 +12,7 @@ from scipy.integrate import dblquad
 
 from hysgen_lab.stage import Stage, StageError, run, static_loop, static_path
 from hysgen_lab.stage.effects.readings import PeriodicEffect
-from hysgen_lab.stage.families import (
-    FAMILIES,
-    SCENARIOS,
-    MeshPreisach,
-    Plant,
-    RisingBoucWen,
-    plant,
-    records,
-)
+from hysgen_lab.stage.families import FAMILIES, SCENARIOS, MeshPreisach, Plant, RisingBoucWen, plant, records
 from hysgen_lab.stage.families.base import Family, around, draw
 from hysgen_lab.stage.families.plants import _advanced
 

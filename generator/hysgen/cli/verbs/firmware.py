@@ -123,10 +123,11 @@ Talk to running firmware over its serial line: state, start, stop, clear, refere
     hysgen link /dev/ttyUSB0 image FILE           (written by hysgen image)
     hysgen link /dev/ttyUSB0 install MODEL --key FILE
     hysgen link /dev/ttyUSB0 record TABLE -o record.csv   (plays its voltages: time_s,voltage_V)
+    hysgen link /dev/ttyUSB0 trace -o trace.csv           (the 1024 samples around the first fault)
 
 Needs pyserial (pip install 'hysgen[link]')."""
 
-ACTIONS = ("status", "identify", "start", "stop", "clear", "reference", "image", "install", "record")
+ACTIONS = ("status", "identify", "start", "stop", "clear", "reference", "image", "install", "record", "trace")
 
 
 def link_arguments(parser: argparse.ArgumentParser) -> None:
@@ -136,7 +137,7 @@ def link_arguments(parser: argparse.ArgumentParser) -> None:
         "value", nargs="?", metavar="VALUE", help="of reference (um), image (file), install (model), record (table)"
     )
     parser.add_argument("--baud", type=int, default=BAUD, help="bits per second (default %(default)s)")
-    parser.add_argument("-o", "--output", metavar="FILE", help="of record: what the sensor read")
+    parser.add_argument("-o", "--output", metavar="FILE", help="of record and trace: what the sensor read")
     parser.add_argument("--key", metavar="FILE", help="file with the key of install, 32 hexadecimal digits")
 
 
@@ -146,8 +147,9 @@ def run_link(arguments: argparse.Namespace, console: Console) -> int:
         raise ModelError(
             f"{arguments.action}: " + ("name the file, model or table to send" if needs else "takes no value")
         )
-    for given, flag, action in ((arguments.output, "-o", "record"), (arguments.key, "--key", "install")):
-        if (given is None) == (arguments.action == action):
+    written, signed = arguments.action in ("record", "trace"), arguments.action == "install"
+    for given, flag, asked in ((arguments.output, "-o", written), (arguments.key, "--key", signed)):
+        if (given is None) == asked:
             raise ModelError(f"{arguments.action}: " + (f"takes no {flag}" if given else f"name the file: {flag} FILE"))
     with Client(open_line(arguments.port, arguments.baud)) as client:
         if arguments.action == "identify":
@@ -178,6 +180,8 @@ def _act(client: Client, arguments: argparse.Namespace, console: Console) -> Non
     elif action == "record":
         recorded = client.record(*read_table(Path(value)), lambda share: console.progress(share, "record"))
         write_whole(Path(arguments.output), record_text(*recorded))
+    elif action == "trace":
+        write_whole(Path(arguments.output), client.trace(lambda share: console.progress(share, "trace")))
 
 
 def _image(file: Path) -> bytes:
