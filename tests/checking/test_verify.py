@@ -32,9 +32,7 @@ SAMPLES = 9000
 def extended() -> Model:
     """Appendix A behind a slew limit, plays and creep, called `stage`."""
     return dataclasses.replace(
-        load_model("appendix_a"),
-        name="stage",
-        blocks=(Slew(4e5, 3e5), hysteresis(3), Creep(0.01, (1e-3, 1.0))),
+        load_model("appendix_a"), name="stage", blocks=(Slew(4e5, 3e5), hysteresis(3), Creep(0.01, (1e-3, 1.0)))
     )
 
 

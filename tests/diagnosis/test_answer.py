@@ -47,9 +47,7 @@ def test_the_width_of_the_loop_is_that_which_diff_prints(hum: tuple[Record, Diag
     assert memory.parameters["loop_um"].value == printed[at]
 
 
-def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(
-    hum: tuple[Record, Diagnosis],
-) -> None:
+def test_a_named_cause_has_evidence_and_gain_and_a_refused_cause_a_reason(hum: tuple[Record, Diagnosis]) -> None:
     for cause in hum[1].causes:
         assert cause.evidence
         assert cause.probe_gain is not None

@@ -218,7 +218,4 @@ def test_a_residual_is_said_in_words() -> None:
     for jumps, words in ((5, "fast"), (6, "6 jumps, fast")):
         assert said(
             lambda k, n=jumps: 0.01 * noise + 0.3 * (np.searchsorted(np.arange(1, n + 1) * 300, k, "right") % 2)
-        ) in (
-            words,
-            words.replace("fast", "slow"),
-        )
+        ) in (words, words.replace("fast", "slow"))

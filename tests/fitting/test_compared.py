@@ -135,8 +135,7 @@ def test_models_with_other_terms_blocks_or_rules_are_not_compared() -> None:
 
 
 @pytest.mark.parametrize(
-    ("percent", "e_um", "fits"),
-    [(1.499, 9.0, True), (1.501, 9.0, False), (9.0, 0.01399, True), (9.0, 0.01401, False)],
+    ("percent", "e_um", "fits"), [(1.499, 9.0, True), (1.501, 9.0, False), (9.0, 0.01399, True), (9.0, 0.01401, False)]
 )
 def test_a_structure_fits_within_half_more_of_the_old_error_or_near_the_noise(
     percent: float, e_um: float, fits: bool

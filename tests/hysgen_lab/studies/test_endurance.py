@@ -62,9 +62,7 @@ def test_a_learner_without_its_protections_fails(
     assert not run([EnduranceTest(case, 0.999, 1e6, SAMPLES)])[0].holds
 
 
-def test_the_verb_prints_a_row_per_test_and_its_exit_code_is_the_verdict(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_verb_prints_a_row_per_test_and_its_exit_code_is_the_verdict(capsys: pytest.CaptureFixture[str]) -> None:
     call = ["endurance", "--samples", "2000", "--cases", "sine", "--json", "-"]
     assert main(call, LABORATORY) == 0
     report = json.loads(capsys.readouterr().out)
