@@ -11,6 +11,7 @@ docs/firmware.md has the figures.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
@@ -171,7 +172,8 @@ def interrupts(target: Machine) -> None:
 
         def unsafe(back: bool, reading: np.float32 = reading) -> bool:
             if back:
-                target.call("hysgen_simulated_interrupt", reading, BEYOND_UM)
+                with contextlib.suppress(TargetError):  # a fault of the processor, as above
+                    target.call("hysgen_simulated_interrupt", reading, BEYOND_UM)
             return target.call("codes_beyond").bits != 0
 
         now = State(target.call("hysgen_simulated_state").bits & 0xFF)
