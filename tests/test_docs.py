@@ -16,7 +16,7 @@ import pytest
 
 import hysgen
 from hysgen.cli.main import HYSGEN, main, parser
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 from hysgen_lab.verbs import LABORATORY
 
 ROOT = Path(__file__).resolve().parents[1]

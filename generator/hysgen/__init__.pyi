@@ -40,7 +40,7 @@ from hysgen.model.scores import Scores as Scores
 from hysgen.record import Columns as Columns
 from hysgen.record import Record as Record
 from hysgen.record import load_record as load_record
-from hysgen.record.bundled import demo_record as demo_record
+from hysgen.record.read import demo_record as demo_record
 from hysgen.trajectory.plan import Waveform as Waveform
 from hysgen.trajectory.reference import Form as Form
 

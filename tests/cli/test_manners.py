@@ -20,7 +20,7 @@ from hysgen.cli.verbs import NAMES
 from hysgen.display import table
 from hysgen.errors import RecordError
 from hysgen.record import load_record
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 
 HEAD = "\n".join(bundled_csv().splitlines()[:2001]) + "\n"
 

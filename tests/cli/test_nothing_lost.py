@@ -16,7 +16,7 @@ from hysgen.errors import HysgenError
 from hysgen.machine import kernel_build, native
 from hysgen.machine.processes import processes
 from hysgen.model.file import load_model
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 
 ROWS = "time_s,voltage_V,displacement_um\n" + "".join(f"{k * 1e-3:.3f},{k % 7},{k % 5}\n" for k in range(50))
 

@@ -13,7 +13,7 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.record import Record, record_csv
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.model.path.loop import Loop
 from hysgen.record import Record, Segment, load_record
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 from hysgen.report.words import price_of
 from hysgen_lab.stage import ResonanceEffect, Stage, run
 from hysgen_lab.stage.effects.mechanics import SofteningEffect

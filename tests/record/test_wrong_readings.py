@@ -15,8 +15,7 @@ from hysgen.cli.main import main
 from hysgen.diagnosis.causes.readings import OutliersCause
 from hysgen.display import Quantities
 from hysgen.record import Record, Segment
-from hysgen.record.bundled import demo_record
-from hysgen.record.read import record_csv
+from hysgen.record.read import demo_record, record_csv
 from hysgen.record.wrong_readings import wrong_readings
 
 N, CUT = 1500, 1000

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from hysgen.errors import RecordError, nearest
 from hysgen.record.columns import Columns
@@ -124,3 +126,23 @@ def _named_after(record: Record, stem: str) -> Record:
     single = len(record.segments) == 1
     segments = (replace(one, name=stem if single else f"{stem}:{one.name}") for one in record.segments)
     return replace(record, segments=tuple(segments))
+
+
+BUNDLED: Final = "demo_stage.csv"
+"""The bundled record: the laboratory's stage at 50 kHz, excited for memory, lag, creep and modes."""
+
+IDENTIFICATION_ROWS: Final = 46_003
+"""Rows for identification; validation begins at this row, counted from 0."""
+
+
+def bundled_csv() -> str:
+    """The record as it is shipped with the package."""
+    return resources.files(__package__).joinpath(BUNDLED).read_text(encoding="utf-8")
+
+
+def demo_record() -> Record:
+    """The bundled record, read as any other; its first IDENTIFICATION_ROWS are for identification."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "demo.csv"
+        path.write_text(bundled_csv(), encoding="utf-8")
+        return load_record(path)

@@ -16,6 +16,8 @@ prints is refused.
 from __future__ import annotations
 
 import contextlib
+import io
+import itertools
 import re
 from collections.abc import Callable
 
@@ -119,19 +121,18 @@ _ONE_STROKE = re.compile(r"\s*'[^',;\t]*'\s*(?:[,;\t]\s*'[^',;\t]*'\s*)+")
 def as_table(source: str, text: str) -> tuple[str, tuple[str, ...]]:
     """The text as a table, and a remark for each thing that was done; any other text as it is."""
     remarks: tuple[str, ...] = ()
-    head = _head(text[: 4096 * LOOKED_AT].split("\n"))
+    head = _head(text)
     for recognised, rewritten, what in FORMS:
         if head and recognised(head):
             bare = text.lstrip()
             text = "\n" * text.count("\n", 0, len(text) - len(bare)) + rewritten(bare)
             remarks = (f"{source}: {what}",)
             break
-    lines = [line.strip() for line in text.split("\n")]
-    head = _head(lines)
+    head = [line.strip() for line in _head(text)]
     if len(head) < FEWEST:
         return text, remarks
     _check_no_terminal(source, head)
-    table, what = _unwrapped(lines, head)
+    table, what = _unwrapped(text, head)
     return ("\n".join(table), (*remarks, f"{source}: {what}")) if what else (text, remarks)
 
 
@@ -260,23 +261,27 @@ _TERMINAL = {
 """What a terminal, a table printer or a serial monitor puts into a line, and no logger."""
 
 
-def _unwrapped(lines: list[str], head: list[str]) -> tuple[list[str], str]:
+def _unwrapped(text: str, head: list[str]) -> tuple[list[str], str]:
     """The lines of a table whose rows are wrapped, and what was done; "" for any other text."""
-    if all(_QUOTED.fullmatch(line) for line in head):
-        return [line.strip('"') for line in lines], "the quotes around its rows are left out"
     named = [_named_values(line) or [] for line in head]
     names = [name for name, _ in named[0]]
+    wrapped = all(_bare(line) != line for line in head)
+    if not (wrapped or len(names) > 1 or _MATRIX.match(head[0]) or _QUOTED.fullmatch(head[0])):
+        return [], ""
+    lines = [line.strip() for line in text.split("\n")]
+    if all(_QUOTED.fullmatch(line) for line in head):
+        return [line.strip('"') for line in lines], "the quotes around its rows are left out"
     if len(names) > 1 and all([name for name, _ in one] == names for one in named):
         what = f"its rows name their values ({', '.join(names)}); messages count these names as line 1"
         return _table_of_named(lines, names), what
     bare = _matrix(lines)
-    if bare is None and all(_bare(line) != line for line in head):
+    if bare is None and wrapped:
         bare = [_bare(line) for line in lines]
-    return (lines, "") if bare is None else (bare, "the brackets around its rows are left out")
+    return ([], "") if bare is None else (bare, "the brackets around its rows are left out")
 
 
-def _head(lines: list[str]) -> list[str]:
-    return [line for line in lines if line.strip()][:LOOKED_AT]
+def _head(text: str) -> list[str]:
+    return [*itertools.islice((line.rstrip("\n") for line in io.StringIO(text) if line.strip()), LOOKED_AT)]
 
 
 def _check_no_terminal(source: str, head: list[str]) -> None:
@@ -299,7 +304,7 @@ def _matrix(lines: list[str]) -> list[str] | None:
         return None
     made = [lines[used[0]][start.end() :], *lines[used[0] + 1 :]]
     made = [line.strip("[](){},; ") for line in made]
-    head = _head(made)
+    head = [line for line in made if line][:LOOKED_AT]
     return [""] * used[0] + made if head and all(_NUMBERS.fullmatch(line) for line in head) else None
 
 

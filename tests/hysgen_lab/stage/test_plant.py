@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 import hysgen
-from hysgen.record.bundled import bundled_csv
+from hysgen.record.read import bundled_csv
 from hysgen_lab.stage import BoucWen, Preisach, Stage, StageError, StageState, effect_shares, run, static_loop, without
 from hysgen_lab.stage.demo_record import demo_csv, demo_measurement, identification_rows
 from hysgen_lab.stage.effects import Action, Effect

@@ -10,7 +10,7 @@ from hysgen.cli.outputs import Output
 
 GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "look at a record, fit a model": {
-        "inspect": ("diagnose", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
+        "inspect": ("inspect", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
         "diagnose": ("diagnose", "what the simulation gets wrong, the causes, an extended model and its gain"),
         "experiment": ("diagnose", "the voltage to play next, for what a record cannot tell"),
         "fit": ("fit", "fit a model to one or several records"),

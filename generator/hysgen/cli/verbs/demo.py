@@ -19,7 +19,7 @@ from hysgen.machine.files import write_whole
 from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
 from hysgen.record import load_record
-from hysgen.record.bundled import IDENTIFICATION_ROWS, bundled_csv
+from hysgen.record.read import IDENTIFICATION_ROWS, bundled_csv
 from hysgen.report.pages import diagnosis_page
 from hysgen.report.words import verdict
 

@@ -1,5 +1,4 @@
-"""diagnose: errors of the simulation, their causes, and the extended model; inspect: what a file holds, before any
-analysis; experiment: the voltage to play next, for what a record cannot tell."""
+"""diagnose: errors of the simulation, their causes, and the extended model; experiment: the voltage to play next."""
 
 import argparse
 import dataclasses
@@ -13,7 +12,6 @@ from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.fit import c_name
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.evaluation import Study
-from hysgen.diagnosis.identifiability import inspect
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
@@ -109,34 +107,6 @@ EXAMPLES = (
 )
 
 
-INSPECT_HELP = """\
-Say what a file holds: channels, units, rate, ranges, noise, excitation, and what each cause needs to show.
-
-No model is fitted. The line "read as --columns ..." is what the other verbs take to read the file in the same way.
-"""
-
-
-def inspect_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "records", nargs="+", metavar="RECORD", help="text, NPZ, MAT, HDF5, TDMS, Excel, ... (docs/records.md)"
-    )
-    parser.add_argument("--rows", metavar="A:B", help="look at rows A to B, B excluded; 0.5s:2s in seconds")
-    parser.add_argument("--plot", metavar="FILE.png", help="draw voltage and displacement in time, and the loops")
-    add_record_options(parser)
-
-
-def run_inspect(arguments: argparse.Namespace, console: Console) -> int:
-    record = read_records(arguments.records, arguments, console, echo=False)
-    if arguments.rows:
-        record = record.rows(*parse_rows(arguments.rows, record.samples, record.Ts_s))
-    inspection = inspect(record)
-    console.say(inspection.summary().text())
-    if arguments.plot:
-        record.plot().save(Path(arguments.plot))
-        console.say(f"written: {arguments.plot}")
-    return console.finish(inspection.to_json())
-
-
 EXPERIMENT_HELP = """\
 Write the voltage to play next: what this record cannot tell, as strokes, rests, steps and frequencies inside limits.
 
@@ -180,12 +150,6 @@ def _range(text: str) -> tuple[float, float]:
 
 VERBS = {
     "diagnose": Verb(DIAGNOSE_HELP, diagnose_arguments, run_diagnose, {"output": Output("-o")}, EXAMPLES),
-    "inspect": Verb(
-        INSPECT_HELP,
-        inspect_arguments,
-        run_inspect,
-        examples=("hysgen inspect log.tdms", "hysgen inspect record.csv --plot record.png --json -"),
-    ),
     "experiment": Verb(
         EXPERIMENT_HELP,
         experiment_arguments,

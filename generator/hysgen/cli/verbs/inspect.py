@@ -1,0 +1,41 @@
+"""inspect: what a file holds, before any analysis; alone in its module, so that fits and pages are not imported."""
+
+import argparse
+from pathlib import Path
+
+from hysgen.cli.console import Console
+from hysgen.cli.options import add_record_options, parse_rows, read_records
+from hysgen.cli.verbs import Verb
+from hysgen.diagnosis.identifiability import inspect
+
+INSPECT_HELP = """\
+Say what a file holds: channels, units, rate, ranges, noise, excitation, and what each cause needs to show.
+
+No model is fitted. The line "read as --columns ..." is what the other verbs take to read the file in the same way.
+"""
+
+
+def inspect_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "records", nargs="+", metavar="RECORD", help="text, NPZ, MAT, HDF5, TDMS, Excel, ... (docs/records.md)"
+    )
+    parser.add_argument("--rows", metavar="A:B", help="look at rows A to B, B excluded; 0.5s:2s in seconds")
+    parser.add_argument("--plot", metavar="FILE.png", help="draw voltage and displacement in time, and the loops")
+    add_record_options(parser)
+
+
+def run_inspect(arguments: argparse.Namespace, console: Console) -> int:
+    record = read_records(arguments.records, arguments, console, echo=False)
+    if arguments.rows:
+        record = record.rows(*parse_rows(arguments.rows, record.samples, record.Ts_s))
+    inspection = inspect(record)
+    console.say(inspection.summary().text())
+    if arguments.plot:
+        record.plot().save(Path(arguments.plot))
+        console.say(f"written: {arguments.plot}")
+    return console.finish(inspection.to_json())
+
+
+EXAMPLES = ("hysgen inspect log.tdms", "hysgen inspect record.csv --plot record.png --json -")
+
+VERBS = {"inspect": Verb(INSPECT_HELP, inspect_arguments, run_inspect, examples=EXAMPLES)}
