@@ -33,7 +33,7 @@ uint32_t hysgen_controller_drives(const controller_t *self)
 static void controller_restart_trace(controller_t *self)
 {
     self->trace.count = 0u;
-    self->trace.behind = 0u;
+    self->trace.end = UINT32_MAX;
 }
 
 void hysgen_controller_init(controller_t *self, const settings_t *settings, float rest_V)
@@ -206,21 +206,20 @@ static float controller_follow(controller_t *self, float reference_um)
     const uint32_t now = self->oldest;
     const uint32_t learns = (uint32_t)((settings->options & SETTINGS_LEARN) != 0u);
     float correction = 0.0f;
+    uint32_t status;
     float u_V;
 
-    self->status |= hysgen_watchdog_follow(
+    status = hysgen_watchdog_follow(
         &self->watchdog, settings, (learns != 0u) ? self->start_um + self->offset_um : self->expected_um[now]);
     if ((settings->options & SETTINGS_TRIM) != 0u) {
         if (hysgen_trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
-            self->status |= STATUS_TRIM_LIMITED;
+            status |= STATUS_TRIM_LIMITED;
         }
         correction = self->trim.correction_um;
     }
     u_V = model_inverse(&self->model, self->model.y_um, reference_um - self->offset_um + correction);
-    if (self->model.status != 0u) {
-        self->status |= STATUS_MODEL;
-    }
-    self->status |= controller_limits_reached(self, u_V);
+    status |= (self->model.status != 0u) ? STATUS_MODEL : 0u;
+    self->status |= status | controller_limits_reached(self, u_V);
     self->reference_um = reference_um;
     self->asked_um[now] = reference_um;
     self->expected_um[now] = self->model.y_um + self->offset_um;
@@ -444,7 +443,10 @@ static void controller_trip(controller_t *self)
     const uint32_t faults = self->status & STATUS_FAULTS;
 
     if (faults != 0u) {
-        self->first = (self->first == 0u) ? faults : self->first;
+        if (self->first == 0u) {
+            self->first = faults;
+            self->trace.end = self->trace.count + TRACE_BEHIND;
+        }
         if ((hysgen_controller_drives(self) == 0u) || (self->state == CONTROLLER_POWER)) {
             self->state = CONTROLLER_TRIPPED;
         } else {
@@ -492,20 +494,19 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     return self->output_V;
 }
 
-/* The sample of this interrupt; dropped once TRACE_BEHIND of them had a fault. */
+/* The sample of this interrupt; dropped TRACE_BEHIND samples behind the first fault. */
 static void controller_trace(controller_t *self)
 {
     trace_t *trace = &self->trace;
+    const uint32_t count = trace->count;
+    uint32_t *place = &trace->words[TRACE_WORDS * (count & (TRACE_SAMPLES - 1u))];
 
-    if (trace->behind < TRACE_BEHIND) {
-        uint32_t *place = &trace->words[TRACE_WORDS * (trace->count & (TRACE_SAMPLES - 1u))];
-
+    if (count != trace->end) {
         place[0] = number_bits(self->watchdog.raw_um);
         place[1] = number_bits(self->output_V);
         place[2] = number_bits(self->reference_um);
         place[3] = (uint32_t)self->state;
-        trace->count += 1u;
-        trace->behind += (uint32_t)(self->first != 0u);
+        trace->count = count + 1u;
     }
 }
 
@@ -516,7 +517,7 @@ void hysgen_controller_learn(controller_t *self)
     float sample_um = self->watchdog.sample_um;
 
     controller_trace(self);
-    if ((self->begun != 0u) && ((self->settings->options & SETTINGS_LEARN) != 0u)) {
+    if ((self->begun & (uint32_t)((self->settings->options & SETTINGS_LEARN) != 0u)) != 0u) {
         self->start_um = model_simulate(&self->witness, self->output_V);
     }
     if (self->learns == 0u) {

@@ -11,8 +11,8 @@
 
 typedef struct {
     uint32_t words[TRACE_WORDS * TRACE_SAMPLES];  /* float32 as its bits */
-    volatile uint32_t count;                      /* samples since the last CLEAR at rest; wraps */
-    uint32_t behind;                              /* samples with a fault among them */
+    uint32_t count;                               /* samples since the last CLEAR at rest; wraps */
+    uint32_t end;                                 /* count at which it stops: set by the first fault */
 } trace_t;
 
 #endif
