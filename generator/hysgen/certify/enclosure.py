@@ -258,11 +258,12 @@ def _largest(quantity: Quantity, model: Model, inputs: tuple[float, ...], narrow
         reached = dataclasses.replace(cells, half=cells.half + beside)
         value, bound, at = _peak(series := quantity(reached), reached.half, absolute)
         # delta is above a quarter: gamma/delta is off by no more than 16 times a sum.
-        bound = bound + off * (_polynomial(series.magnitude, reached.half) + 16.0 * series.remainder)
+        rounding = off * (_polynomial(series.magnitude, reached.half) + 16.0 * series.remainder)
+        bound = bound + rounding
         top = int(np.argmax(value))
         if value[top] > best:
             best, place = float(value[top]), (float(cells.middle[top] + at[top]), float(cells.w[top]))
-        undecided = bound > best + narrow
+        undecided = bound > best + narrow + rounding  # no smaller cell has less of it
         excluded = max(excluded, float(np.max(bound[~undecided], initial=-np.inf)))
         if not undecided.any() or 3 * np.count_nonzero(undecided) > MOST_CELLS:
             limit = max(best, excluded, float(np.max(bound[undecided], initial=-np.inf)))
