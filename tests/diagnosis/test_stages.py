@@ -9,17 +9,21 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, cont2discrete, lfilter, lsim
 
+import hysgen
 from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record, repeating_record
+from hysgen.api.diagnosing import scored_extension
 from hysgen.codegen import generate
 from hysgen.diagnosis import DiagnoseSettings, diagnose
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.procedure import name_causes
+from hysgen.errors import ModelError
 from hysgen.model.path.loop import Loop
 from hysgen.record import Record, Segment, load_record
 from hysgen.record.read import bundled_csv
-from hysgen.report.words import price_of
+from hysgen.report.words import price_of, verdict
 from hysgen_lab.stage import ResonanceEffect, Stage, run
 from hysgen_lab.stage.effects.mechanics import SofteningEffect
+from hysgen_lab.studies.bank.scenario import good
 
 STEP_S, HELD, FINE = 2.5e-4, 1000, 20
 LEVELS_V = (0.0, 55.0, 95.0, 15.0, 75.0, 5.0, 65.0, 35.0)
@@ -193,3 +197,17 @@ def test_what_repeats_with_the_command_may_be_misfit_and_is_no_mode_until_it_rin
     for seed in range(3):
         names = name_causes(repeating_record(family, seed, mode)).names
         assert set(names) == ({"memory", "resonance"} if mode else {"memory"})
+
+
+@pytest.mark.slow
+def test_the_sensor_of_another_axis_is_said_and_its_model_has_no_c() -> None:
+    u_V = good(np.random.default_rng(4), 9000, 0.0, 100.0)
+    t_s = 2.5e-4 * np.arange(u_V.size)
+    lines_um = 1.1 * np.sin(2.0 * np.pi * 7.0 * t_s) + 0.4 * np.sin(2.0 * np.pi * 19.0 * t_s + 1.0)
+    y_um = lines_um + lfilter([0.0, 1e-3], [1.0, -0.8], u_V) + 1e-3 * np.random.default_rng(5).normal(size=u_V.size)
+    study = hysgen.diagnose(Record.from_arrays(u_V, y_um, 2.5e-4))
+    assert "resonance" not in study.names
+    assert not study.follows_voltage
+    assert "does not follow the voltage" in "\n".join(verdict(study))
+    with pytest.raises(ModelError, match="lines that do not depend on the voltage"):
+        hysgen.generate(scored_extension(study))

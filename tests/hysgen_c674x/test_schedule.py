@@ -20,7 +20,7 @@ from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, TargetError
 from hysgen.firmware.binding import with_learner
 from hysgen.float32.reference.instance import Instance
-from hysgen.model.learner_settings import BIAS, LearnerSettings
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen_c674x import interpreter, toolchain
 from hysgen_c674x.cycles import bounds
 from hysgen_c674x.equality import verify_on_target
@@ -181,13 +181,14 @@ def test_the_limits_of_the_issue_are_kept() -> None:
 
 
 @pytest.mark.slow
-def test_learn_of_18_parameters_takes_at_most_900_cycles() -> None:
-    """The zeros of a restart are stored 64 bits at a time; scheduled in at most 10 s of processor time."""
+def test_learn_of_18_parameters_takes_at_most_980_cycles() -> None:
+    """Some seventy of them are the trial of a commit. The zeros of a restart are stored 64 bits at a time."""
     started = time.process_time()
     found = kernels("learning", generate(model("learning"), Options(aligned=True)), ("learn",))
     assert time.process_time() - started < 10.0
     learn = found.schedules["learning_learn"]
-    assert learn.cycles <= 900
+    cycles = learn.cycles  # a report of `learn` itself would have gigabytes
+    assert cycles <= 980
     assert sum(each.node.mnemonic == "stdw" for each in learn.placements) >= 153 // 2
     program = assembled(file_text("", found.schedules, found.tables))
     assert inspect(function_packets(program.image, program.packets, "learning_learn"), 3) == []
@@ -288,10 +289,9 @@ def test_the_inspection_finds_no_fault_in_a_learner_with_its_values_on_the_stack
 
 @pytest.mark.slow
 def test_the_self_test_leaves_out_the_padding_of_an_aligned_learner() -> None:
-    """With one parameter the learner has an odd number of words, and padding where it is aligned to 8 bytes."""
+    """With two rules the learner has an odd number of words, and padding where it is aligned to 8 bytes."""
     need_compiler()
-    learner = LearnerSettings(learned=BIAS)
-    model = dataclasses.replace(smooth(2), name="odd", learner=learner)
+    model = dataclasses.replace(smooth(2), name="odd", learner=LearnerSettings())
     odd = generate(model)
     with pytest.raises(TargetError, match="aligned=True"):
         with_kernels("odd", odd, Kernels({}, {}, {}))

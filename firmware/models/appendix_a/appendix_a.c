@@ -1008,7 +1008,7 @@ static appendix_a_commit_t appendix_a_snapshot(appendix_a_learner_t *learner)
     learner->trial_reference_um = 0.0f;
     learner->trial_error = 0.0f;
     learner->trial_reference_error = 0.0f;
-    learner->trying = (learner->updates != 0u) ? APPENDIX_A_COMMIT_TRIAL : 0u;
+    learner->trying = (learner->updates != 0u) ? (uint32_t)APPENDIX_A_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)APPENDIX_A_PHASE_CHECK;
     return APPENDIX_A_COMMIT_BUSY;

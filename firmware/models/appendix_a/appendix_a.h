@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "b94176145d68a1d8207eb835cafd02e5fe9b652c115e72288ff0f218690378bd"
-#define APPENDIX_A_ALGORITHM_WORD 0xb9417614u  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "522659cd4fe7982bc1b528c678912e051a00a50e8bd3fab7222407db63fbb35c"
+#define APPENDIX_A_ALGORITHM_WORD 0x522659cdu  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */

@@ -1683,7 +1683,7 @@ static extended_commit_t extended_snapshot(extended_learner_t *learner)
     learner->trial_reference_um = 0.0f;
     learner->trial_error = 0.0f;
     learner->trial_reference_error = 0.0f;
-    learner->trying = (learner->updates != 0u) ? EXTENDED_COMMIT_TRIAL : 0u;
+    learner->trying = (learner->updates != 0u) ? (uint32_t)EXTENDED_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)EXTENDED_PHASE_CHECK;
     return EXTENDED_COMMIT_BUSY;

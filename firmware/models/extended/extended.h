@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "48570983102516e6a6ba29d61c5b683e34999dd740b826e679ff8e9dddc025aa"
-#define EXTENDED_ALGORITHM_WORD 0x48570983u  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "b4a916b1f53e0380c046de3ccaeba02e6fc2de1bbd6dffaa0425428c1f2d2528"
+#define EXTENDED_ALGORITHM_WORD 0xb4a916b1u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */

@@ -17,7 +17,7 @@ from hysgen.diagnosis.experiment import Limits, in_words, lacking, voltage, with
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.display import Quantities
 from hysgen.model.model import Model
-from hysgen.model.scores import Scores
+from hysgen.model.scores import NEXT_TO_NOTHING, Scores
 from hysgen.record import Record, check_for_fit, check_validation
 from hysgen.record.csv_text import write_csv
 from hysgen.report.words import price_of
@@ -53,8 +53,16 @@ def diagnose(
 
 
 def scored_extension(study: Study) -> Model:
-    """The extended model with its scores on the identification rows."""
-    return scored(study.model, study.record.rows(0, study.cut))[0]
+    """The extended model with its scores on the identification rows, and the doubt of a displacement made of lines."""
+    model, scores = scored(study.model, study.record.rows(0, study.cut))
+    if not study.lines_prevail:
+        return model
+    doubt = (
+        f"{study.record.source}: lines that do not depend on the voltage are {study.of_lines:.0%} of the displacement; "
+        f"without them {NEXT_TO_NOTHING}"
+    )
+    known = scores.to_json()
+    return dataclasses.replace(model, scores={"identification": known | {"warnings": [*known["warnings"], doubt]}})
 
 
 @dataclass(frozen=True, eq=False)

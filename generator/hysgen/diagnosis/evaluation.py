@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
 from hysgen.diagnosis.causes import Estimate
+from hysgen.diagnosis.causes.hysteresis import FOLLOWS
 from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import fit_ladder, with_best_forms
@@ -132,7 +133,20 @@ class Study(Displayed):
     @property
     def follows_voltage(self) -> bool:
         """Whether the displacement follows the voltage (`record.relation`): else no model is one of the stage."""
-        return unrelated(self.record.segments) is None
+        return unrelated(self.record.segments) is None and not self.lines_prevail
+
+    @property
+    def lines_prevail(self) -> bool:
+        """Whether less of the displacement follows the voltage than that of a drive that is measured does."""
+        return self.of_lines > 1.0 - FOLLOWS
+
+    @property
+    def of_lines(self) -> float:
+        """Share of the power of the displacement that lines hold, which do not depend on the voltage."""
+        named = {cause.name: cause.parameters for cause in self.diagnosis.causes}.get("periodic", {})
+        sizes_um = [size.value for key, size in named.items() if key.startswith("amplitude")]
+        y_um = np.concatenate([segment.y_um for segment in self.record.segments])
+        return 0.5 * math.fsum(size * size for size in sizes_um) / float(y_um.var())
 
     @property
     def improved(self) -> bool:

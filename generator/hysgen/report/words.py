@@ -135,6 +135,11 @@ def verdict(study: Study) -> list[str]:
         constant = "A constant is as good as every model here of the displacement"
         constant += " as it is logged." if apart else f": a linear response to the voltage explains {linear:.0%} of it."
         return [wrong, *apart, constant, *_left(diagnosis.unknown)]
+    if study.lines_prevail:
+        apart.append(
+            "The displacement does not follow the voltage: lines that do not depend on it are "
+            f"{study.of_lines:.0%} of its power. Check that the sensor is that of the driven axis."
+        )
     if fed_back(study.record.segments) is not None:
         apart.append(
             "The voltage reacts to the displacement: the record was taken under feedback. Creep and drift stand in the "

@@ -1723,7 +1723,7 @@ static diagnosed_commit_t diagnosed_snapshot(diagnosed_learner_t *learner)
     learner->trial_reference_um = 0.0f;
     learner->trial_error = 0.0f;
     learner->trial_reference_error = 0.0f;
-    learner->trying = (learner->updates != 0u) ? DIAGNOSED_COMMIT_TRIAL : 0u;
+    learner->trying = (learner->updates != 0u) ? (uint32_t)DIAGNOSED_COMMIT_TRIAL : 0u;
     candidate->point = 0u;
     candidate->phase = (uint32_t)DIAGNOSED_PHASE_CHECK;
     return DIAGNOSED_COMMIT_BUSY;
