@@ -3,6 +3,7 @@
 The foreign stages share no equation with the model, the probe, or the virtual stage.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -211,3 +212,14 @@ def test_the_sensor_of_another_axis_is_said_and_its_model_has_no_c() -> None:
     assert "does not follow the voltage" in "\n".join(verdict(study))
     with pytest.raises(ModelError, match="lines that do not depend on the voltage"):
         hysgen.generate(scored_extension(study))
+
+
+@pytest.mark.slow
+def test_a_static_curve_behind_a_lag_is_no_memory_and_is_said_to_be_a_curve() -> None:
+    u_V = good(np.random.default_rng(8), 8000, 0.0, 100.0)
+    y_um = lfilter([0.0, 0.25], [1.0, -0.75], 0.03 * u_V + 7e-4 * u_V**2)
+    found = diagnose(Record.from_arrays(u_V, y_um + 2e-3 * np.random.default_rng(9).normal(size=u_V.size), 2.5e-4))
+    assert found.names == ()
+    left = re.search(r"a static curve and one lag, without memory, leave ([\d.]+) um", found.remaining.reason)
+    assert left is not None
+    assert float(left[1]) < 1.5 * found.noise.rms_um < 0.1 * found.remaining.rms_um

@@ -210,9 +210,12 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-WORTH_THE_INVERSE = 0.8
-"""Own figure of a model without an inverse, over that of the model, up to which it is spoken of: a finer form of a
-hysteresis that rises gains some percent on any record."""
+FALLING = "a hysteresis that may fall leaves {}, and has no inverse (--predict-only)"
+STATIC = "a static curve and one lag, without memory, leave {} (hysgen fit --memory 0)"
+
+WORTH_ANOTHER_FORM = 0.8
+"""Own figure of another form, over that of the model, up to which it is spoken of: a finer form of the same hysteresis
+gains some percent on any record."""
 
 AT_THE_NOISE = 1.5
 """Own figure over the noise up to which nothing is left, and over that of the probe up to which both are as good."""
@@ -270,17 +273,18 @@ def left_over(
     extensions: Mapping[str, Extension],
     model: Remaining,
     noise_um: float,
-    falling: Callable[[], Remaining],
+    other: Callable[[], Remaining],
+    in_words: str,
 ) -> Left:
     """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves.
 
-    falling: what is left where the hysteresis need not rise, asked where something is left.
+    other: what another form of the path leaves, asked where something is left; in_words: the form, FALLING or STATIC.
     """
     probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
     reason = _reason(model.rms_um, probe.rms_um, noise_um)
     left = model.rms_um > AT_THE_NOISE * noise_um
-    if left and (without_um := falling().rms_um) <= WORTH_THE_INVERSE * model.rms_um:
-        reason = f"a hysteresis that may fall leaves {without_um:.3g} um, and has no inverse (--predict-only)"
+    if left and (other_um := other().rms_um) <= WORTH_ANOTHER_FORM * model.rms_um:
+        reason = in_words.format(f"{other_um:.3g} um")
     return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 
 
