@@ -221,7 +221,9 @@ def test_a_shadow_that_would_make_the_model_worse_is_refused_after_its_trial(tri
     model = sized(18, forgetting=0.99)
     texts = texts_of(model)
     if not tried:
-        texts["smooth_6.c"] = texts["smooth_6.c"].replace("? SMOOTH_6_COMMIT_TRIAL : 0u", "? 0u : 0u")
+        trial = "? (uint32_t)SMOOTH_6_COMMIT_TRIAL : 0u"
+        assert trial in texts["smooth_6.c"]
+        texts["smooth_6.c"] = texts["smooth_6.c"].replace(trial, "? 0u : 0u")
     host, u_V = Host("smooth_6", texts, CC), 50.0 + 60.0 * commits.EXCITATIONS["beat"](commits.TIMES_S)
     play, weaker = (commits.measured_um(model, u_V, stage, 0.0) for stage in ((1.0, 8.0), (0.9, 0.0)))
     answer, one_step, free_run = commits.committed(host, model, play, u_V)
