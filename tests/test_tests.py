@@ -55,8 +55,11 @@ def dotted(node: ast.expr) -> str:
 
 
 def undeclared_tools(source: str) -> Iterator[str]:
-    """Every look at what is installed, and the tool of every command line whose function does not ask for it."""
+    """Every look at what is installed, tool without a package, and tool of a command line that nobody asks for."""
     tree = parsed(source)
+    for argument in (argument for name, node in calls(tree) if name == "need" for argument in node.args):
+        if isinstance(argument, ast.Constant) and argument.value not in TOOLS:
+            yield ast.unparse(argument)
     for node in walked(tree):
         if isinstance(node, ast.Constant | ast.Attribute | ast.Name):
             named = node.value if isinstance(node, ast.Constant) else getattr(node, "attr", getattr(node, "id", ""))
@@ -170,6 +173,7 @@ def test_an_import_of_a_test_file_is_found(planted: str) -> None:
         (undeclared_tools, "if shutil.which('frama-c'):\n    pass"),
         (undeclared_tools, "from shutil import which\nassert which('cc')"),
         (undeclared_tools, "GTC = pytest.importorskip('GTC')"),
+        (undeclared_tools, "def test_c() -> None:\n    need('gcc', 'no-such-tool')"),
         (undeclared_tools, "strict = os.environ.get('HYSGEN_REQUIRE_TOOLS')"),
         (undeclared_tools, "def test_c() -> None:\n    subprocess.run(['clang', '-c', 'a.c'])"),
         (undeclared_tools, "def test_c() -> None:\n    need('gcc')\n    run(folder, 'clang', '-c', 'a.c')"),
