@@ -43,6 +43,7 @@ def by_the_manual(body: str) -> int:
 
 
 def by_llvm(body: str) -> int:
+    need("llvm-mca")
     call = ["llvm-mca", f"--mtriple={TRIPLE}", "-mcpu=cortex-m7", "-iterations=1"]
     given = re.sub(REFUSED, r"\n\tadd\tr0, r0, #1", body)
     run = subprocess.run(call, input=given, capture_output=True, text=True, check=True)
@@ -54,7 +55,7 @@ def by_llvm(body: str) -> int:
 def test_a_call_takes_what_the_model_says_within_a_quarter(
     name: str, judge: Callable[[str], int], model: Model, tmp_path: Path
 ) -> None:
-    need("clang", "llvm-mca")
+    need("clang")
     texts, weights = generate(model, Options(clock_Hz=1e10)), target(name, "weights").weights
     assert weights is not None
     write(texts, tmp_path)
