@@ -44,8 +44,6 @@ def test_a_record_becomes_a_scored_model_and_its_c(
     shown = capsys.readouterr().out
     for line in ("free run", "one step", "persistence", "noise floor", "Prandtl-Ishlinskii"):
         assert line in shown
-    assert main(["score", str(model), str(record), "--beside", str(model), "--json", "-"]) == 0
-    assert "axis one" in json.loads(capsys.readouterr().out)["beside"]
     told = json.loads(scores.read_text())
     rivals = told["rivals_free_run"]
     assert told["free_run"]["e_rms_um"] < rivals["Prandtl-Ishlinskii, 20 plays"]["e_rms_um"]

@@ -285,9 +285,8 @@ CALLS: Mapping[str, dict[str, Any]] = {
         "c": "d", "same_range": True, "anyway": True, "no_diagnosis": True,
     },
     "refit m a.csv -o n": {"c": None, "same_range": False, "anyway": False, "no_diagnosis": False},
-    "score m a.csv --settle 3 --rivals 0:5 --beside x --beside y": {
-        "settle": 3, "rivals": "0:5", "beside": ["x", "y"],
-    },
+    "score m a.csv --settle 3 --rivals 0:5": {"settle": 3, "rivals": "0:5"},
+    "compare m n a.csv --rows 5:": {"files": ["m", "n", "a.csv"], "rows": "5:"},
     "link port": {"action": "status", "value": None, "baud": 115_200},
     "link port reference 2.5 --baud 9600 --key k": {"action": "reference", "value": "2.5", "baud": 9600, "key": "k"},
     "prove d --samples 5 --calls a,b": {"samples": 5, "calls": "a,b"},

@@ -119,15 +119,22 @@ def test_verify_says_what_was_compared_and_an_altered_file_is_code_1(
 
 
 @pytest.mark.slow
-def test_score_sets_models_beside_each_other_and_describe_says_every_part(
+def test_compare_scores_models_on_the_same_records_and_describe_says_every_part(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = Said("score @m.json @b.csv --rows 100: --settle 50 --beside appendix_a", folder, capsys)
-    rows = {"m": said.json, "appendix_a": said.json["beside"]["appendix_a"]}
-    for name in ("appendix_a", "m"):
-        said.lines("beside each other", rf"{name}, free run +{rows[name]['free_run']['e_rms_um']:.5f} .*")
-        said.lines("beside each other", rf"{name}, one step +{rows[name]['one_step']['e_rms_um']:.5f} .*")
-    assert Said("score @m.json @b.csv", folder, capsys).json["free_run"] != said.json["free_run"]
+    said = Said("compare appendix_a @m.json @b.csv --rows 100:", folder, capsys)
+    assert list(said.json["models"]) == ["appendix_a", "m"]
+    alone = Said("score @m.json @b.csv --rows 100:", folder, capsys).json
+    assert said.json["models"]["m"] == {key: alone[key] for key in said.json["models"]["m"]}
+    own = {}
+    for name, scores in said.json["models"].items():
+        free, own[name], ahead = (scores[key]["e_rms_um"] for key in ("free_run", "own", "one_step"))
+        said.lines(rf"{name} +{free:.5f} +{own[name]:.5f} +{ahead:.5f} .*", "persistence .*", "least own error: m")
+    assert said.json["best"] == min(own, key=lambda name: own[name])
+    twice = Said(f"compare @m.json {folder}/c/../m.json @a.csv @b.csv", folder, capsys)
+    assert len(twice.json["models"]) == 2, "models of one stem have their paths as names"
+    assert main(["compare", "appendix_a", f"{folder}/m.json"]) == 2
+    assert "2 models and 0 records given" in capsys.readouterr().err
     told = Said("describe extended", folder, capsys)
     certificates = told.json["certificates"]
     told.lines(

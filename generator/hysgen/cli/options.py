@@ -105,6 +105,7 @@ def quantities_of(arguments: argparse.Namespace) -> Quantities:
         if (stated := Columns.from_text(getattr(arguments, "columns", "")).quantities).other:
             return stated
         named = [getattr(arguments, name, None) for name in ("model", "old", "folder")]
+        named += getattr(arguments, "files", [])
         place = Path(next(name for name in named if name))
         inside = sorted(path for path in place.glob("*.json") if path.name != MANIFEST) if place.is_dir() else [place]
         return load_model(inside[-1]).quantities

@@ -21,7 +21,7 @@ HEAD = 16_384
 MARKS = (b"hysgen", b"HYSI")
 """Words of which every file that hysgen writes has one in its head; the second begins a parameter image."""
 
-INPUTS = ("records", "holdout", "model", "old", "new", "flashed", "record", "beside", "learn")
+INPUTS = ("records", "holdout", "model", "old", "new", "flashed", "record", "files", "learn")
 """Names of the arguments that are files to read."""
 
 PAGES, PICTURES = (".html", ".htm"), (".png",)

@@ -96,6 +96,15 @@ def load_model(path_or_name: Path | str) -> Model:
         raise ModelError(f"{path}: is not a text file (byte {fault.start}); give a model file") from fault
 
 
+def is_model(path_or_name: str) -> bool:
+    """Whether a name is that of a shipped model, or of a file that says it is one."""
+    path = Path(path_or_name)
+    if path.is_file():
+        with path.open("rb") as stream:
+            return f'"{SCHEMA}"'.encode() in stream.read(200)
+    return path_or_name in shipped_models()
+
+
 def shipped_models() -> tuple[str, ...]:
     """Names of the models that ship with hysgen."""
     entries = (entry.name for entry in _shipped().iterdir())

@@ -15,6 +15,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "experiment": ("diagnose", "the voltage to play next, for what a record cannot tell"),
         "fit": ("fit", "fit a model to one or several records"),
         "score": ("fit", "errors of a model: one step, against the horizon, in free run"),
+        "compare": ("fit", "several models on the same records: the errors of each, the best"),
         "describe": ("fit", "a model as a dynamic system: time constant, gain, loop, certificates"),
     },
     "from a trajectory to a voltage": {

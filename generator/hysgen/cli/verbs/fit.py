@@ -1,7 +1,8 @@
-"""fit: a model of one or several records; score: its errors on a record; describe: a model as a dynamic system."""
+"""fit: a model of records; score: its errors on a record; compare: those of several; describe: a dynamic system."""
 
 import argparse
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 from hysgen.api.models import PAPERS_MODEL, certificates, describe, fit, parameter_count, rivals, score, scored
@@ -17,14 +18,16 @@ from hysgen.cli.options import (
 )
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
+from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting.operator import MOST_PLAYS, RELAXING
 from hysgen.machine.files import write_whole
-from hysgen.model.file import load_model, save_model
-from hysgen.model.model import MOST_RULES
-from hysgen.model.scores import OWN, Score, score_lines
+from hysgen.model.file import is_model, load_model, save_model
+from hysgen.model.model import MOST_RULES, Model
+from hysgen.model.scores import Score, Scores, score_lines
 from hysgen.model.simulate import free_run, one_step
+from hysgen.record import Record
 
 FIT_HELP = """\
 Fit a model to one or several records.
@@ -181,9 +184,6 @@ def score_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help="also score the paper's model and its rivals, fitted to rows A to B of the same records",
     )
-    parser.add_argument(
-        "--beside", action="append", default=[], metavar="MODEL", help="another model in the same tables and pictures"
-    )
     parser.add_argument("--report", metavar="FILE.html", help="write one page with the scores, the model and pictures")
     parser.add_argument("--plot", metavar="FILE.png", help="draw measured and simulated displacement")
     add_record_options(parser)
@@ -207,28 +207,12 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
                 f"{arguments.rivals}: {scores.free_run.e_rms_um:.4g} um against {simple.e_rms_um:.4g} um"
             )
     console.say(scores.table())
-    others = {Path(name).stem: load_model(name) for name in arguments.beside}
-    beside = {name: score(other, record, arguments.settle) for name, other in others.items()}
-    if beside:
-        shown = {**beside, Path(arguments.model).stem: scores}
-        rows = [(f"{name}, free run", errors.free_run) for name, errors in shown.items()]
-        rows += [(f"{name}, {OWN}", errors.own) for name, errors in shown.items()]
-        rows += [(f"{name}, one step", errors.one_step) for name, errors in shown.items()]
-        console.say("\nbeside each other")
-        console.say("\n".join(score_lines(rows)))
-        result["beside"] = {name: errors.to_json() for name, errors in beside.items()}
     if others_fitted:
         console.say("\nrivals in free run")
         console.say("\n".join(score_lines(list(others_fitted.items()))))
         result["rivals_free_run"] = {name: rival.to_json() for name, rival in others_fitted.items()}
     if arguments.report:
-        from hysgen.report.pages import ScoredModels, model_page
-
-        name = Path(arguments.model).stem if beside else model.name
-        scored = ScoredModels(record, {**others, name: model}, {**beside, name: scores}, list(others_fitted.items()))
-        title = f"{', '.join(scored.models)} on {record.source}"
-        write_whole(Path(arguments.report), model_page(title, scored, command=command_line()).html())
-        console.say(f"\nwritten: {arguments.report}")
+        _write_page(arguments.report, console, record, {model.name: model}, {model.name: scores}, others_fitted)
     if arguments.plot:
         # matplotlib takes half a second to import.
         from hysgen.report.plots import style
@@ -239,6 +223,69 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
         console.say(f"\nwritten: {arguments.plot}")
     return console.finish(result)
+
+
+def _write_page(
+    path: str,
+    console: Console,
+    record: Record,
+    models: Mapping[str, Model],
+    scores: Mapping[str, Scores],
+    rivals: Mapping[str, Score],
+) -> None:
+    from hysgen.report.pages import ScoredModels, model_page
+
+    scored = ScoredModels(record, models, scores, list(rivals.items()))
+    title = f"{', '.join(models)} on {record.source}"
+    write_whole(Path(path), model_page(title, scored, command=command_line()).html())
+    console.say(f"\nwritten: {path}")
+
+
+COMPARE_HELP = """\
+Several models on the same records: the errors of each in one table, and which is best.
+
+A file that says it is a model, and the name of a shipped one, is a model; every other file is a record."""
+
+COMPARED = ("model", "free run um", "own um", "one step um", "largest um", "of stroke %")
+
+
+def compare_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", metavar="FILE", help="models and records, in any order")
+    parser.add_argument("--rows", metavar="A:B", help="score on rows A to B of the joined records, B excluded")
+    parser.add_argument("--report", metavar="FILE.html", help="write one page with the scores and pictures of all")
+    add_record_options(parser)
+
+
+def run_compare(arguments: argparse.Namespace, console: Console) -> int:
+    files = [name for name in arguments.files if is_model(name)]
+    records = [name for name in arguments.files if name not in files]
+    if not (files and records):
+        raise HysgenError(f"compare: {len(files)} models and {len(records)} records given; give one of each or more")
+    alike = len({Path(name).stem for name in files}) < len(set(files))
+    models = {name if alike else Path(name).stem: load_model(name) for name in files}
+    whole = read_records(records, arguments, console)
+    record = whole.rows(*parse_rows(arguments.rows, whole.samples, whole.Ts_s)) if arguments.rows else whole
+    scores = {name: score(model, record) for name, model in models.items()}
+    rows = []
+    for name, s in scores.items():
+        for line in s.warnings:
+            console.warn(f"{name}: {line}")
+        errors_um = (s.free_run.e_rms_um, s.own.e_rms_um, s.one_step.e_rms_um, s.free_run.largest_um)
+        rows.append([name, *(f"{error_um:.5f}" for error_um in errors_um), f"{s.free_run.of_span_percent:.3f}"])
+    some, best = next(iter(scores.values())), min(scores, key=lambda name: scores[name].own.e_rms_um)
+    rows.append(["persistence", "", "", f"{some.persistence.e_rms_um:.5f}", "", ""])
+    console.say(table(COMPARED, rows))
+    console.say(f"noise floor {some.noise.describe()}\nleast own error: {best}")
+    if arguments.report:
+        _write_page(arguments.report, console, record, models, scores, {})
+    return console.finish(
+        {
+            "record": some.to_json()["record"],
+            "noise_floor": some.noise.to_json(),
+            "models": {name: s.to_json() for name, s in scores.items()},
+            "best": best,
+        }
+    )
 
 
 def describe_arguments(parser: argparse.ArgumentParser) -> None:
@@ -261,5 +308,11 @@ def run_describe(arguments: argparse.Namespace, console: Console) -> int:
 VERBS = {
     "fit": Verb(FIT_HELP, fit_arguments, run_fit, {"output": Output("-o")}, FIT_EXAMPLES),
     "score": Verb(SCORE_HELP, score_arguments, run_score, examples=SCORE_EXAMPLES),
+    "compare": Verb(
+        COMPARE_HELP,
+        compare_arguments,
+        run_compare,
+        examples=("hysgen compare a.json b.json record.csv --rows 46003: --report page.html",),
+    ),
     "describe": Verb(DESCRIBE_HELP, describe_arguments, run_describe, examples=("hysgen describe stage.json",)),
 }
