@@ -1,7 +1,5 @@
 """Fixtures of the whole suite: the folder of the measured records, and results that are computed once per run."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

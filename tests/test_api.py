@@ -1,7 +1,5 @@
 """The Python interface: one import, results as text and HTML, pictures on request."""
 
-from __future__ import annotations
-
 import importlib
 import subprocess
 import sys

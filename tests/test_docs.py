@@ -1,8 +1,6 @@
 """The documents are true where that can be checked: commands, links, paths and modules that they name exist, and the
 output that README and tutorial show is what their commands print."""
 
-from __future__ import annotations
-
 import ast
 import difflib
 import functools

@@ -1,7 +1,5 @@
 """The house: no import hides in a string, the model alone simulates, the product stands alone, a target is one file."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import json

@@ -1,7 +1,5 @@
 """No external name of the firmware, of generated code or of a host library can be taken for that of another library."""
 
-from __future__ import annotations
-
 import dataclasses
 import keyword
 import os

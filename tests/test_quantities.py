@@ -1,7 +1,5 @@
 """Two quantities with free names and units go through words, pages, plots, C, A2L and FMU; V and um are nowhere."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from pathlib import Path

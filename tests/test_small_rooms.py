@@ -1,7 +1,5 @@
 """Display, estimator and interface: every branch of a table, every argument that is handed on, every refusal."""
 
-from __future__ import annotations
-
 import dataclasses
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The tests themselves: imported by pytest alone, the same in every run, and green on a slow or bare machine."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import os

@@ -1,7 +1,5 @@
 """The wheel is complete: templates, models, compiled kernels and the bundled record are inside."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

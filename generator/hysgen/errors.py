@@ -1,7 +1,5 @@
 """Errors meant for the user; the text is one line that names the file, row or field, the fault, and the cure."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable
 

@@ -6,8 +6,6 @@
 run. Rows are samples in time: split them in blocks (TimeSeriesSplit), never shuffled.
 """
 
-from __future__ import annotations
-
 import importlib
 from typing import Any, Self
 

@@ -4,8 +4,6 @@ Eva shows that the box is never left. Running the C shows the other way round th
 outside would be a proof of something else.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 from collections.abc import Mapping, Sequence

@@ -1,8 +1,6 @@
 """Commit makes no shadow active whose certificates do not hold, in the bits of its reference, and whoever reads the
 parameters meanwhile sees the old ones or the new ones."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import importlib

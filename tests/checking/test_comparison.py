@@ -1,7 +1,5 @@
 """The comparison itself, on a machine of two words with planted faults: every fault is reported, and only those."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """The models of Cortex-M: within a quarter of what manual and LLVM say of the instructions that clang makes."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Other instruction sets under qemu: the same bits, also where the compiler is told to fuse multiply and add."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 

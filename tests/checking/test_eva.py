@@ -4,8 +4,6 @@ Here for models of two rules, without and with every term and block, and with so
 takes out all of them and proves every call of the models that ship.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import re

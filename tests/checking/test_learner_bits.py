@@ -1,7 +1,5 @@
 """The generated learner equals its float32 reference in every bit of its state, whatever it is made to swallow."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """The compiler that pip brings: same bits as the reference, and generated C for systems that are not this one."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

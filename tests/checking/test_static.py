@@ -1,7 +1,5 @@
 """Warnings, MISRA rules, sanitizers: the generated C is clean, and each tool sees the faults that are put into it."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections import Counter

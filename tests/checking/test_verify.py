@@ -1,7 +1,5 @@
 """Verify says equal when C and reference are, and names the place, in every way that they can part."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import json

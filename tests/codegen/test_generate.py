@@ -1,7 +1,5 @@
 """Generating: the same bytes always, numbers that read back, refusals with place and value, golden files."""
 
-from __future__ import annotations
-
 import dataclasses
 import difflib
 import getpass

@@ -1,7 +1,5 @@
 """The generated C itself: bits of chained runs, warnings, guards, and what may not stand in it."""
 
-from __future__ import annotations
-
 import functools
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The comments of generated C are its reference: Doxygen finds every public name documented, warnings are errors."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """A generated folder is a project: CMake builds and runs it, C++ calls it, digests and layouts are checked."""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import re

@@ -1,7 +1,5 @@
 """The same bytes on every processor: generation under other BLAS kernels, C libraries and thread counts."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The self-test of the generated C: it passes here, and each planted fault of learner and commit fails it."""
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The generated C of every term and input block, alone and all together, equals the float32 reference bit for bit."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

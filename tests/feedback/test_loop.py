@@ -1,7 +1,5 @@
 """The loop that is designed from a model keeps its word around stages that share no equation with it."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math

@@ -5,8 +5,6 @@ The simulated C674x runs the same drivers over the same model (test_drivers_on_s
 
 # Safety case: [S13]
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 """The boards compiled by the host's compiler: what the C6748's main says and is set to, start-up after a boot loader
 that has used every device, and headers in C++."""
 
-from __future__ import annotations
-
 import functools
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The client: what it asks, how long it waits, what it says of each answer; numbers that Python shares with C."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import struct

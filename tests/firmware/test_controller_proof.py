@@ -5,8 +5,6 @@ analyses cover images and store, frames, and link with idle loop and interrupt, 
 with stubs of the others. An access that leaves an array but not its struct is no alarm of Eva's.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Counters and their limits: what they hold at, one below and one above the limit, and where they wrap."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 

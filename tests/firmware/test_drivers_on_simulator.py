@@ -4,8 +4,6 @@ They, `start.s` and a short main run from reset over a model of chip and parts. 
 got with what they should get; every planted fault must raise one.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 from pathlib import Path

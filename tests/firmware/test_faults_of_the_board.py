@@ -2,8 +2,6 @@
 
 # Safety case: [S2], [S4], [S6], [S7]
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -3,8 +3,6 @@
 The model tells what the real part would ignore: writing without write enable, or anything while it is busy.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

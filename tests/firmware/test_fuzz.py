@@ -9,8 +9,6 @@ memory are the places where an interrupt may come.
 
 # Safety case: [S1], [S2], [S3], [S10]
 
-from __future__ import annotations
-
 import argparse
 import functools
 import re

@@ -1,7 +1,5 @@
 """The report that a user with one board sends back, on the host's board with a wire from the D/A to the A/D."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -2,8 +2,6 @@
 
 # Safety case: [S9], [S10]
 
-from __future__ import annotations
-
 import struct
 import zlib
 from dataclasses import replace

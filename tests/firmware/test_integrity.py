@@ -2,8 +2,6 @@
 
 # Safety case: [S14]
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

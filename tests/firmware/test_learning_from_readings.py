@@ -1,7 +1,5 @@
 """What the learner gets: the sensor's own readings, the voltage that was put out, and never a stand-in."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

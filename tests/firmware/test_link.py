@@ -2,8 +2,6 @@
 
 # Safety case: [S11]
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

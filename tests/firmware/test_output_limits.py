@@ -2,8 +2,6 @@
 
 # Safety case: [S2]
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -5,8 +5,6 @@ Over the link as `hysgen link record` does it. The last test closes the loop fro
 
 # Safety case: [S12]
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The safety case of docs/firmware.md: each requirement names the code that meets it and the tests that show it."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

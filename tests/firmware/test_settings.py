@@ -2,8 +2,6 @@
 
 # Safety case: [S3]
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """SipHash-2-4 in C and in Python against the authors' vectors."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Start: a sensor that does not fit the stage, or is dead, is a fault before the feed-forward relies on its reading."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 

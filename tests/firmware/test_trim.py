@@ -1,7 +1,5 @@
 """Feedback trim at the limits of the output: the integral does not wind up, whatever the sign of the gain."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

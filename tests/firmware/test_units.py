@@ -1,7 +1,5 @@
 """Trim, frames, answers, images and settings in C: each function alone, by hand and at both sides of each limit."""
 
-from __future__ import annotations
-
 import functools
 import struct
 import zlib

@@ -1,7 +1,5 @@
 """The power of two and the reciprocal hold what hysgen.model.float32_arithmetic claims of them, in generated C."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import runpy

@@ -1,7 +1,5 @@
 """What commit lets pass, in gains and slopes of the stage, and the tables and bounds that it judges by, in float64."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The float32 learner is Eq. (10) with the protections of docs/learning.md: float64, written independently, agrees."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

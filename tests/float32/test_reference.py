@@ -1,7 +1,5 @@
 """The float32 reference: close to the float64 model everywhere, safe against any input, exact about its state."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The proved bound of a step's error: no sample passes it, it is no more than three times what samples find."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

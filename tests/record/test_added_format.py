@@ -1,7 +1,5 @@
 """A format is one file: written into a copy of the tree, its files are recognised, read, and read when packed."""
 
-from __future__ import annotations
-
 import gzip
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Files of arrays (MAT, HDF5, NPY), each written by its own library, give the same record."""
 
-from __future__ import annotations
-
 import functools
 import json
 import warnings

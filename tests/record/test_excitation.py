@@ -1,7 +1,5 @@
 """Too few samples are refused, poor excitation and exceeded ranges are warnings, sufficient records pass."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib.resources import as_file, files
 

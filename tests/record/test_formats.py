@@ -1,7 +1,5 @@
 """Every format gives the same numbers and digest; accepted variants of the formats."""
 
-from __future__ import annotations
-
 import dataclasses
 import tempfile
 from collections.abc import Callable

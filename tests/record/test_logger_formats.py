@@ -1,7 +1,5 @@
 """Files of data loggers and tables, each by its own library, give the same record; a damaged one is one line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Measured records are read as documented, and a million rows within seconds."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

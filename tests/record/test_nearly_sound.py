@@ -1,7 +1,5 @@
 """Files that are nearly sound: read right without options, or refused with row or field, fault and remedy."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

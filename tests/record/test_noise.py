@@ -1,7 +1,5 @@
 """Noise floor, its parts and its choices, computed once more with polynomials and differences of NumPy."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Counters that overflow are continued, buffers that were not filled are left out, and both are said; others stay."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

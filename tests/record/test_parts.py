@@ -1,7 +1,5 @@
 """Cutting and joining of records: rows, initial states and digests."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 The records come from the virtual stage, with hysteresis, modes and noise that the checks do not model.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

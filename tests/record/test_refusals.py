@@ -5,8 +5,6 @@ samples.toml holds one text file a kind. `said`: part of a remark of the reading
 the message in order; what it says to paste reads the file, with `pasted` behind it, where the sample has this field.
 """
 
-from __future__ import annotations
-
 import gzip
 import math
 import os

@@ -1,7 +1,5 @@
 """Records that are no stage, and columns that are no channel, are found and said in one line."""
 
-from __future__ import annotations
-
 import warnings
 from pathlib import Path
 

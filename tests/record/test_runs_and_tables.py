@@ -1,7 +1,5 @@
 """Cutting into runs, tables of text and of MATLAB: rows by hand, and both sides of the limits between two readings."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from pathlib import Path

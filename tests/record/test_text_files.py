@@ -1,7 +1,5 @@
 """Text files beside the samples: files of one channel, several parts, remedies that work when pasted, packed files."""
 
-from __future__ import annotations
-
 import bz2
 import gzip
 import io

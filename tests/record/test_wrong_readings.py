@@ -1,7 +1,5 @@
 """Single wrong readings are found in every row, said with row and value, and decide nothing; motions stay."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Learning over repeats on stages whose equations are foreign to hysgen."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

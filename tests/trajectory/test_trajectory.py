@@ -1,7 +1,5 @@
 """The voltage for a trajectory: played through the model it gives the reference, or the least largest error."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

@@ -4,8 +4,6 @@ Operations are counted exactly in the C text (`codegen.operations`). Cycles of t
 passes them, else estimates, and labelled as such. Nanoseconds are those of this machine, not of the DSP.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Mapping, Sequence

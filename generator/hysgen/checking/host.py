@@ -1,7 +1,5 @@
 """Generated C on this machine: its builds, a driver that runs a function over arrays, and the inverse on arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final

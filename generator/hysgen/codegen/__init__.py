@@ -4,8 +4,6 @@ A generated folder consists of six C files, CMakeLists.txt, an example, the mode
 model and options give the same bytes on every machine and at any time.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import re

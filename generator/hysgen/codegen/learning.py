@@ -1,7 +1,5 @@
 """The data of the learner's and of the commit's templates, and their parameter sections."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final

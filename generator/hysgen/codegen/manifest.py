@@ -1,7 +1,5 @@
 """MANIFEST.json: the files of a generated folder with digests, model, options, certificates, errors and cost."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The constants and tables of `<name>_params.h` in sections, and float32 numbers as C literals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

@@ -7,8 +7,6 @@ to a line that holds HOOK and the name. A hook `guard: NAME | CALL INPUTS | C` s
 proof of CALL must fail, and holds the C in its place (tests/fixtures/guards.py).
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Inputs and expected bit patterns of the self-test on the target, computed by the float32 reference."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

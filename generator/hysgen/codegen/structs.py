@@ -3,8 +3,6 @@
 Modules that compile, call or prove generated C use this description and do not parse the text.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 from collections.abc import Mapping, Sequence

@@ -5,8 +5,6 @@ Settling is that of a step of the displacement, such as a push on the stage; a s
 inverse.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

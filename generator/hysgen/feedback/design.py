@@ -14,8 +14,6 @@ encircle -1, and K is given by F in closed form. F is found by Nelder and Mead f
 Source: Nichols' exclusion region, as GARTEUR TP-088-7 (1997) and MIL-F-9490D ask for; here 45 degrees, and an ellipse.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

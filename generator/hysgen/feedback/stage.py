@@ -9,8 +9,6 @@ limits, at which the integral stands still. States in the loop of a mode stand b
 nothing (large ones).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math

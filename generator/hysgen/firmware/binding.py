@@ -1,7 +1,5 @@
 """model.h binds the firmware to one generated model; the hand-written C of the firmware."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import replace

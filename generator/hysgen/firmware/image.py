@@ -6,8 +6,6 @@ words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights,
 words are 32 bits, little-endian
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Client of running firmware: commands over a serial line, with repetition of what is lost (wire.py has the frames)."""
 
-from __future__ import annotations
-
 import struct
 import time
 from collections.abc import Callable

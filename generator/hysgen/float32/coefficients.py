@@ -27,8 +27,6 @@ and so largest at a corner of the range. The cells cover the range, so limits th
 point hold at every displacement.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -5,8 +5,6 @@ of two, so both conversions are exact, and the prior P(0) = alpha I of q becomes
 If q is a consequent multiplied by a rule's strength w, the prior is scaled by w^2: D(0) = alpha (w scale)^2.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final

@@ -10,8 +10,6 @@ The C struct ends with two members that are not words of the mirror: the bank of
 and the candidate of a commit (`hysgen.codegen.structs`).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import enum
 import functools

@@ -4,8 +4,6 @@ Every number is written with the fewest digits that read back as the same float6
 machine or the clock. Reading executes no code and refuses unknown or malformed fields, naming file and field.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

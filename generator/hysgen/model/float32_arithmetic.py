@@ -23,8 +23,6 @@ limit bounds the state after one sample even if memory was corrupted.
 Source: Dekker, A floating-point technique for extending the available precision (1971), Fast2Sum.
 """
 
-from __future__ import annotations
-
 import functools
 from typing import Final
 

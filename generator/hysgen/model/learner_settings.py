@@ -4,8 +4,6 @@ The learner runs Eq. (10) in UD-factorised form on the DSP (see docs/learning.md
 file, because the generated C contains them as constants.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Names that a model cannot have: generated C calls its files NAME.h, its types NAME_t, its functions NAME_predict."""
 
-from __future__ import annotations
-
 from typing import Final
 
 _WORDS: Final = """

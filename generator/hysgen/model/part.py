@@ -8,8 +8,6 @@ cause (`hysgen.diagnosis.causes`). A part is a frozen dataclass with a table of 
 methods of the places where it acts; the inherited methods have no effect.
 """
 
-from __future__ import annotations
-
 import abc
 import dataclasses
 import importlib
@@ -17,7 +15,7 @@ import math
 import pkgutil
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol, Self, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -259,13 +257,13 @@ class Part:
         return self
 
 
-READERS: Mapping[str, Callable[[Any], Any]] = {
-    "float": float,
-    "float | None": lambda value: None if value is None else float(value),
-    "int": int,
-    "str": str,
-    "tuple[float, ...]": lambda values: tuple(float(value) for value in values),
-    "tuple[str, ...]": lambda values: tuple(str(value) for value in values),
+READERS: Mapping[Any, Callable[[Any], Any]] = {
+    float: float,
+    float | None: lambda value: None if value is None else float(value),
+    int: int,
+    str: str,
+    tuple[float, ...]: lambda values: tuple(float(value) for value in values),
+    tuple[str, ...]: lambda values: tuple(str(value) for value in values),
 }
 """How a field is read, by its annotation; bool is strict."""
 
@@ -283,20 +281,19 @@ def arguments(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:
     is not in READERS.
     """
     found: dict[str, Any] = {}
+    hints = get_type_hints(kind)
     for item in dataclasses.fields(kind):
         if item.name not in data and item.default is not dataclasses.MISSING:
             continue
-        value = data[item.name]
-        if item.type == "bool":
+        value, hint = data[item.name], hints[item.name]
+        if hint is bool:
             if not isinstance(value, bool):
                 raise TypeError(f"{item.name} must be true or false")
             found[item.name] = value
-        elif isinstance(item.type, str) and item.type in READERS:
-            found[item.name] = READERS[item.type](value)
+        elif hint in READERS:
+            found[item.name] = READERS[hint](value)
         else:
-            raise TypeError(
-                f"{item.name}: no reader for {item.type}; write to_json() and from_json() of {kind.__name__}"
-            )
+            raise TypeError(f"{item.name}: no reader for {hint}; write to_json() and from_json() of {kind.__name__}")
     return found
 
 

@@ -9,8 +9,6 @@ The noise floor, so that an error with a cause, such as hum on a plateau, does n
 `outlier_flags` marks readings so far from the neighbours on both sides that no motion explains them.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@
 All parameters by least squares, those of ARX on the one-step error. All scores are of free runs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol

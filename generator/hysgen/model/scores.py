@@ -22,8 +22,6 @@ d falls to zero where the record covers the range of the model. Where it does no
 to leave out lowers it, and it is part of the error.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence

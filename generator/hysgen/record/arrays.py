@@ -1,8 +1,6 @@
 """Series from the arrays of a file: which array is time, voltage and displacement, by name, by path or by place; the
 period among scalars; a selection of axes."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

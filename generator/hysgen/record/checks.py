@@ -3,8 +3,6 @@
 A certain finding is refused, a likely one is a warning: a valid record must not be refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 

@@ -10,8 +10,6 @@ A last row with fewer cells than the others was cut short and is left out. `spel
 NumPy's compiled reader is asked first, without comments, for it takes exactly the cells that Python's float takes.
 """
 
-from __future__ import annotations
-
 import io
 import itertools
 from collections.abc import Mapping, Sequence

@@ -15,8 +15,6 @@ A second reading explains the error of every model, because it contains the answ
 be read before the displacement that is to be predicted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

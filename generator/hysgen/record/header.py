@@ -7,8 +7,6 @@ Name<tab>Drive<tab>Name<tab>Position         TwinCAT: a label before each value;
 Sample Interval,0.001     SampleRate,1000     delta t<tab>0,001     Acquisition rate: 1 kHz
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

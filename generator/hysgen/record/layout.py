@@ -6,8 +6,6 @@ of which at least two are numbers; lines of a label and numbers give way to rows
 line before them that names most roles, unless the preamble has the names; a row of units may stand between.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Iterator, Sequence

@@ -10,8 +10,6 @@ A name is split into words and a unit: "Sensor 1 [nm]" is (sensor, 1) in nm. A r
 Only roles that the user did not name are guessed. Two columns that suit a role equally well are refused.
 """
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence

@@ -10,8 +10,6 @@ Of a record alone, by the first method that it allows:
 period or the plateau. Given the residual of a model: `model.residual`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

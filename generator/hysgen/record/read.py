@@ -1,7 +1,5 @@
 """Reading a record from files: choice of the reader, joining of files."""
 
-from __future__ import annotations
-
 import os
 import re
 import tempfile

@@ -18,8 +18,6 @@ displacement through the same filter. A stage answers e(k) later; a controller a
 of the opposite sign, in the row of the reading or soon after (Box and Jenkins, 1970, section 11.2).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """From the content of a file or of a DataFrame to the parts of a record: runs in V and um, and their checks."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence

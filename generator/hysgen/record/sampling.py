@@ -10,8 +10,6 @@ what a clock begins again after. Rows of zeros (or of no numbers) at an end are 
 them, or if the displacement jumps there as it does nowhere else.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Properties of one sampled series: plateaus, turning points, period, white noise, resolution."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

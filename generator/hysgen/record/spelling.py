@@ -1,7 +1,5 @@
 """The spelling of a text table: the fields of a line, and a number or a time of day in a cell."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Sequence

@@ -13,8 +13,6 @@ Each becomes a header and rows, which the reader of tables takes; every line kee
 prints is refused.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import itertools

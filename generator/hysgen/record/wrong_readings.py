@@ -9,8 +9,6 @@ rows around it, or LEAST of the stroke. One row, or two side by side, are wrong 
 Many such rows are the character of a signal, and stay.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@
 types of all known keys; further keys may come within a version.
 """
 
-from __future__ import annotations
-
 from importlib import resources
 
 from hysgen.errors import HysgenError

@@ -9,8 +9,6 @@ more of an operation that needs the result of the one before. Memory without wai
 are counted operation by operation, which was compared with nothing.
 """
 
-from __future__ import annotations
-
 from hysgen.codegen.operations.cycles import Weights
 from hysgen.targets import Target
 

@@ -7,8 +7,6 @@ model of the processor says of their instructions (llvm-mca, one pass; what it r
 counts as a sum each). Tightly coupled memory, no cache misses; the learner as there.
 """
 
-from __future__ import annotations
-
 from hysgen.codegen.operations.cycles import Weights
 from hysgen.targets import Target
 

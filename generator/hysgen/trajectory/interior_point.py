@@ -12,8 +12,6 @@ are hardly larger than itself. A programme of 5000 samples takes two seconds, a 
 Source: Mehrotra, SIAM J. Optim. 2 (1992) 575-601.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -11,8 +11,6 @@ the circle, exact but for what its voltage would have to do before the first sam
 Source: Devasia, Chen and Paden, IEEE Trans. Autom. Control 41 (1996) 930-942.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Sequence

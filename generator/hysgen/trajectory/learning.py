@@ -13,8 +13,6 @@ stage hardly passes, and where a repeat made the error grow. Where all of Q is 0
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -12,8 +12,6 @@ of the hysteresis along the last answer times as much. Behind it the stage is li
 in deviations from the last answer. The unknowns are v, y, x, s and t.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """The voltage for a reference: exact where the stage can follow, of least largest error inside the limits elsewhere."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from typing import Any

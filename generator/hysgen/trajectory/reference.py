@@ -1,7 +1,5 @@
 """The wanted displacement: a file of any rate, or a form by name, at the sampling period of the model."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

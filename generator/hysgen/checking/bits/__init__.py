@@ -4,8 +4,6 @@ Results, states, status words and counters are compared as 32-bit patterns, over
 with every installed compiler at every level, with and without flushing denormal numbers to zero.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Comparison of generated C with its reference: one model, every function, every input style, every build."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ predictions of the active bank. Each sample of the first side is also compared w
 from the same state (`functions`).
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Results of a verification as data, JSON values and text."""
 
-from __future__ import annotations
-
 import dataclasses
 import struct
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ denormal numbers among them; its bits are compared as well. A run shows that no 
 none can occur.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ The method is that of `hysgen verify`, equality of whole runs by induction again
 the host's and those of the platforms of `emulated_program`.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import time

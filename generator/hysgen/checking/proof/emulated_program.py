@@ -1,7 +1,5 @@
 """Generated C as a program for another processor, run under qemu: the interface of `checking.host.Host` over pipes."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile

@@ -4,8 +4,6 @@ The add-on checks most of the decidable rules. It reports rules by number, becau
 generated C follows every required rule, and every advisory rule except those of DEVIATIONS, which state the reason.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Generated C in a folder of its own for tools that look at files, with lines of a proof at the hooks."""
 
-from __future__ import annotations
-
 import difflib
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence

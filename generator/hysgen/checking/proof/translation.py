@@ -11,8 +11,6 @@ semantics of C; `hysgen verify` samples the compiler.
 Source: Pnueli, Siegel, Singerman, Translation validation (1998).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import importlib.util
 import time

@@ -1,7 +1,5 @@
 """The warning wall: the flags of gcc and clang under which generated C compiles, every warning an error."""
 
-from __future__ import annotations
-
 import dataclasses
 import shutil
 import subprocess

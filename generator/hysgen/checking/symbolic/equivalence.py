@@ -8,8 +8,6 @@ its place, and what stands on both becomes equal by form.
 Source of the method: Kuehlmann, Krohm, Equivalence checking using cuts and heaps (1997).
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 import operator

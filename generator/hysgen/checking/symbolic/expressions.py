@@ -1,7 +1,5 @@
 """Values and addresses of C expressions whose operands are symbolic, and the operators of C."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final

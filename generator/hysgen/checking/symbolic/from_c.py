@@ -13,8 +13,6 @@ Memory whose words are all values: an element at an index that depends on data i
 elsewhere (Frama-C), so two programs with equal operations compute equal words wherever both indices do.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

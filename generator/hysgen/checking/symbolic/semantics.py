@@ -4,8 +4,6 @@ Sources: TMS320C674x DSP CPU and Instruction Set (SPRUFE8), one page per instruc
 even (the reset state of FADCR and FMCR; no program here changes it).
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable, Mapping

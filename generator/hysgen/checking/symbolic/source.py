@@ -1,7 +1,5 @@
 """The parsed text of generated C: functions, types, enumerations and the words of the tables of constants."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

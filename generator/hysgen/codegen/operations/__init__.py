@@ -1,7 +1,5 @@
 """Cost of the generated functions: operations per call by kind, counted in the C text, and bytes of memory."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

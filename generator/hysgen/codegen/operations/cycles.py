@@ -12,8 +12,6 @@ nothing there.
 tests/hysgen_c674x/test_cost.py checks that both ratios are within 0.7 .. 1.3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final

@@ -14,8 +14,6 @@ of the stage (hysteresis, creep, modes), w is in place of u, and the responses a
 `python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
 """
 
-from __future__ import annotations
-
 import argparse
 import copy
 from collections.abc import Iterator

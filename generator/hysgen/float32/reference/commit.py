@@ -1,7 +1,5 @@
 """`<name>_commit` over lanes: the check of a shadow against `hysgen.float32.coefficients`, and its activation."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Mapping
 

@@ -9,8 +9,6 @@ exponential per sample, come first:
 S(y) = sum_l v_l q_l1,   O(y) = sum_l v_l q_l3,   G(y) = sum_l v_l q_l2,   W(y) = sum_l v_l,   p_l = v_l / W
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast

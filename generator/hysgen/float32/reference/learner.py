@@ -12,8 +12,6 @@ Matrices are (n, n, lanes), vectors (n, lanes). Sums run in ascending order; arg
 the state: initialisation (`<name>_learn_init`), restart, status bits and counters.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Sequence
 from typing import Any

@@ -11,8 +11,6 @@ No regressor depends on the input: what the stage makes of the input is the path
 inverts the rules alone.
 """
 
-from __future__ import annotations
-
 import abc
 from collections.abc import Mapping
 from dataclasses import dataclass, field

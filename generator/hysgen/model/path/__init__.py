@@ -4,8 +4,6 @@ Each kind is a class derived from `InputBlock` in a module here, and one templat
 by listing this package, so these two add a kind.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -10,8 +10,6 @@ The terms thus follow the limited input that reaches the stage (anti-windup), an
 of preview: in the inverse every argument belongs to sample k + d, the result to sample k.
 """
 
-from __future__ import annotations
-
 import abc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

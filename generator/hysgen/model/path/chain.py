@@ -10,8 +10,6 @@ the stored responses are then one sample behind, advanced by what u(k) makes arr
 from a copy of them that is advanced by the v of the call before.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass

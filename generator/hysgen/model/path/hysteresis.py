@@ -23,8 +23,6 @@ dh/dv is that of plays that do not relax.
 rises with v, and the inverse is a root of a rising, piecewise smooth function.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass

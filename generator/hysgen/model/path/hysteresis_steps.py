@@ -1,7 +1,5 @@
 """Number of Newton steps of the inverse of the hysteresis: the fewest that meet random jumps from random pasts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Final
 

@@ -8,8 +8,6 @@ left of sum q = 1 passes the lag alone. A mode of `modes` has the phase of a for
 such modes are every linear system of simple poles. The modes of other drives are the term `drives`.
 """
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 from typing import ClassVar, Self

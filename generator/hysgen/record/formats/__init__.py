@@ -5,8 +5,6 @@ signature; a library is imported when its format is read, and those beside NumPy
 no format recognises is text, unless it is known to be something else (`base.KINDS`).
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import pkgutil

@@ -1,7 +1,5 @@
 """What a format is: how its files are recognised and read, as text or as arrays by name; files that hold no record."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field

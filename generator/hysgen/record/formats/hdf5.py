@@ -1,7 +1,5 @@
 """HDF5: numeric datasets by their path, and DataFrames of pandas."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import warnings

@@ -6,8 +6,6 @@
 {"time": {"0": 0, "1": 1e-3, ...}, ...}                                  pandas, as it is
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

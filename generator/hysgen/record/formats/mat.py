@@ -1,7 +1,5 @@
 """MAT files of version 4, 5 and 7.3: numeric variables, fields of structures, tables and timetables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 Pickled Python objects, which could run code, are refused without being opened.
 """
 
-from __future__ import annotations
-
 import zipfile
 import zlib
 from pathlib import Path

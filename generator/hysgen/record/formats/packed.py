@@ -1,7 +1,5 @@
 """Files packed by gzip, bzip2, xz or zip: the one file inside."""
 
-from __future__ import annotations
-
 import bz2
 import gzip
 import lzma

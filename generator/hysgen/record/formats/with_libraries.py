@@ -1,7 +1,5 @@
 """Formats that libraries of the extra `hysgen[formats]` read: Excel, Parquet and Feather, TDMS, MDF4, UFF 58."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from datetime import date, datetime, time

@@ -19,8 +19,6 @@ parameters) may hold any 32 bits, NaN among them. Intervals cannot see why a cov
 code does not rely on it either, but looks for what has gone wild and starts again.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

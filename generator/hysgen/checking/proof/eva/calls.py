@@ -5,8 +5,6 @@ writes, and that the shadow starts again unless every parameter is finite and in
 that as contracts.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Final

@@ -9,8 +9,6 @@ is analysed once, from any bits the learner may hold, which shows two things: wh
 answers 0 only if every parameter that it leaves is finite and inside its limit.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

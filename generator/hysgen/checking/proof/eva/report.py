@@ -1,7 +1,5 @@
 """The proofs of all calls of a model."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

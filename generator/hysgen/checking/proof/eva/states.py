@@ -6,8 +6,6 @@ the interval of x) every mask is a constant and every seed a narrow interval. A 
 cover all values and assert nothing; without them the text is the generated C, byte for byte.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import re
 from collections.abc import Mapping, Sequence
