@@ -44,8 +44,7 @@ from hysgen.report.page import (
 )
 from hysgen.report.pages import ScoredModels, diagnosis_page, file_names, key_figures, model_page
 from hysgen.report.plots import style
-from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, shares_picture, spectrum_picture
-from hysgen.report.plots.diagnosis import profile_picture as drawn_profile
+from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, profiles_picture, spectrum_picture
 from hysgen.report.plots.results import draw
 from hysgen.uncertainty.gum import Budget, Contribution
 
@@ -353,8 +352,7 @@ def test_key_figures_are_those_of_the_diagnosis_and_of_its_c() -> None:
     fit = 100.0 * (1.0 - 0.1 / float(np.std(Y_UM[CUT:])))
     assert shown == {
         f"free run, {BASE}": ("0.5 µm", "6.2 % of the stroke, held out"),
-        "free run, extended": ("0.1 µm", "1.2 % of the stroke, held out"),
-        "free run, own": ("0.1 µm", "10 times the noise; probe 0.02 µm"),
+        "free run, extended": ("0.1 µm", "cold 0.1 µm; finer model 0.02 µm"),
         "fit (NRMSE)": (f"{fit:.4g} %", "free run of the model written, held out"),
         "noise floor": ("0.01 µm", "from repeated periods"),
         "price a sample": ("+33 cycles", "+36 bytes; 8 % of a sample in all"),
@@ -381,7 +379,6 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     )  # fmt: skip
     page = diagnosis_page(whole, proof=(EQUAL, COST), command="hysgen diagnose a.csv")
     assert page.title == "a.csv: what the simulation gets wrong"
-    assert list(page.lead) == words.verdict(whole)
     by_title = {section.title: section for section in page.sections}
     causes = by_title["Causes and their evidence"]
     assert cells(causes) == [
@@ -390,12 +387,12 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
         ["drift", "not extended", "0.987", "evidence of drift", ""],
         ["unknown", "4.0 %", "", "a jump", ""],
     ]
-    assert cells(causes, 1)[0] == ["periodic", "yes: named"]
-    assert cells(causes, 1)[1] == ["slew", "only an effect of at least 0.5 V/s"]
-    assert cells(causes, 2) == [["delay", "too short"]]
     assert f"{lost.why_not_extended}." in causes.notes
-    assert causes.notes[-2:] == [f"C{words.CONFIDENCE[1:]}.", "Next experiment: rest longer."]
-    assert [picture.name for picture in causes.pictures] == ["shares"]
+    assert causes.notes[-1] == f"C{words.CONFIDENCE[1:]}."
+    tells = by_title["What this record can tell"]
+    assert cells(tells) == [["periodic", "yes: named"], ["slew", "only an effect of at least 0.5 V/s"]]
+    assert cells(tells, 1) == [["delay", "too short"]]
+    assert tells.text == ["Next experiment: rest longer."]
     ladder = next(section for title, section in by_title.items() if title.startswith("What each"))
     assert cells(ladder) == whole.ladder()
     assert ladder.notes[:2] == [whole.diagnosis.remaining.line(), "Taken out: a step."]
@@ -403,8 +400,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     where = by_title["Where the error lies"]
     assert where.text[0].startswith("45 % of the power")
     assert ", 9 % of that of the extended model." in where.text[0]
-    assert [one.name for one in where.pictures][:3] == ["time", "horizon", "spectrum"]
-    assert len(where.pictures) == 8
+    assert [one.name for one in where.pictures] == ["profiles", "time", "horizon", "spectrum"]
     assert [one.name for one in by_title["The record"].pictures] == ["record"]
     facts = dict(cells(by_title["Provenance"]))
     assert (facts["command"], facts["record"]) == ("hysgen diagnose a.csv", "a.csv")
@@ -417,7 +413,7 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     }  # fmt: skip
     empty = {one.title: one for one in diagnosis_page(study(), proof=(EQUAL, COST)).sections}
     assert empty["Causes and their evidence"].text[0].startswith("None: the error of the paper's model is not above")
-    assert [table.caption for table in empty["Causes and their evidence"].tables] == ["What this record can tell"]
+    assert not empty["Causes and their evidence"].tables
     assert "command" not in dict(cells(empty["Provenance"]))
 
 
@@ -492,33 +488,35 @@ def test_horizon_and_spectrum_are_drawn_in_their_units() -> None:
     assert picture.figure.axes[0].get_legend() is not None
 
 
-def test_profiles_have_gaps_decades_and_directions() -> None:
+def test_profiles_have_gaps_decades_and_directions_on_one_scale_in_one_row() -> None:
     shown = [(BASE, error_map(0.5)), (LABEL, error_map(0.1))]
-    drawn = [drawn_profile(shown, number) for number in range(5)]
-    axes = [picture.figure.axes[0] for picture in drawn]
+    picture = profiles_picture(shown)
+    axes = picture.figure.axes
     assert [axis.get_xscale() for axis in axes] == ["linear", "linear", "log", "linear", "linear"]
-    assert [axis.get_yscale() for axis in axes] == ["log"] * 5
+    assert len({axis.get_ylim() for axis in axes}) == 1
+    assert axes[0].get_ylim() == pytest.approx((0.01, 1.0))
     heights = [step.get_data() for step in axes[0].patches]
     assert [list(step.values) for step in heights] == [[0.1, 0.5], pytest.approx([0.02, 0.1])]
     assert list(heights[0].edges) == [0.0, 50.0, 100.0]
-    assert axes[0].get_ylim() == pytest.approx((0.01, 1.0))
     assert isinstance(axes[0].xaxis.get_major_formatter(), ScalarFormatter)
-    assert axes[0].get_xlabel() == "level of the input [V]"
-    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == [BASE, LABEL]
+    names = [
+        "level [V]",
+        "direction of the input",
+        "frequency [Hz]",
+        "time in the record [s]",
+        "since the last turn [s]",
+    ]
+    assert [axis.get_xlabel() for axis in axes] == names
+    assert [text.get_text() for text in picture.figure.legends[0].get_texts()] == [BASE, LABEL]
     assert [tick.get_text() for tick in axes[1].get_xticklabels()] == ["down", "still", "up"]
-    assert list(axes[1].get_xticks()) == [-1, 0, 1]
-    assert axes[1].get_xlabel() == "direction of the input"
     # A bin without error is a gap on a logarithmic axis.
     assert np.isnan(axes[2].patches[0].get_data().values[0])
     assert axes[2].xaxis.get_major_formatter()(2e-5, 0) == "0.00002"
-    assert [one.name for one in drawn] == [
-        f"error-by-{end}" for end in ("level", "direction", "frequency", "time-in-the-record",
-                                      "time-since-the-last-turning-point")
-    ]  # fmt: skip
+    assert "By direction: paper's model 0.2 um (up) .. 0.5 um (down); extended model 0.04 um (up)" in picture.alt
     nothing = dataclasses.replace(
-        error_map(0.5), profiles=(dataclasses.replace(error_map(0.5).profiles[0], rms_um=(0.0, 0.0)),)
+        error_map(0.5), profiles=(dataclasses.replace(error_map(0.5).profiles[0], rms_um=(0.0, 0.0)),) * 2
     )
-    assert drawn_profile([(BASE, nothing)], 0).figure.axes[0].get_ylim() == pytest.approx((1e-9, 2e-9))
+    assert profiles_picture([(BASE, nothing)]).figure.axes[0].get_ylim() == pytest.approx((1e-9, 2e-9))
 
 
 def test_ladder_is_drawn_row_by_row_with_numbers_beside_its_frame() -> None:
@@ -557,26 +555,49 @@ def test_ladder_is_drawn_row_by_row_with_numbers_beside_its_frame() -> None:
     assert 0.3 < (picture.figure.get_size_inches()[1] - taller) / 2 < 0.45
 
 
-def test_shares_are_stacked_over_the_time_of_the_record() -> None:
-    picture = shares_picture(BOTH)
-    (axis,) = picture.figure.axes
-    # p = 0.25, 0.04, 0.01: noise 0.0001 and the rest of 0.01 are not explained; periodic 0.21, creep 0.03.
-    tops = [0.04, 4.0, 88.0, 100.0]
-    bands = [band.get_paths()[0].vertices for band in axis.collections]
-    assert [float(band[:, 1].max()) for band in bands] == pytest.approx(tops)
-    assert [float(band[:, 0].max()) for band in bands] == pytest.approx([0.6] * 4)
-    assert [band.get_label() for band in axis.collections] == ["noise", "not explained", "periodic", "creep"]
-    assert (axis.get_xlim(), axis.get_ylim()) == ((0.0, pytest.approx(0.6)), (0.0, 100.0))
-    assert axis.lines[0].get_xdata()[0] == text_of(axis)["held out"].xy[0] == pytest.approx(0.36)
-    legend = [text.get_text() for text in picture.figure.legends[0].get_texts()]
-    assert legend == ["creep", "periodic", "not explained", "noise"]
-    assert picture.alt.endswith("held-out part: noise 0 %, not explained 4 %, periodic 84 %, creep 12 %.")
-    assert (axis.get_xlabel(), axis.get_ylabel()) == ("time [s]", "share of the error's power [%]")
-    # Held-out rows alone count in the words.
-    early = np.where(np.arange(N) < CUT, 0.5, 0.2)
-    errors = (BOTH.diagnosis.errors_um[0], (BASE, early))
-    halved = dataclasses.replace(BOTH, diagnosis=dataclasses.replace(BOTH.diagnosis, errors_um=errors))
-    assert "not explained 16 %, paper's model 84 %" in shares_picture(halved).alt
+def test_labels_of_a_logarithmic_axis_are_few_over_decades_and_never_one() -> None:
+    for low, high, most, labels in (
+        (0.01, 1.0, 9, [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]),
+        (1e-4, 1e4, 9, [1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4]),
+        (1e-4, 1e4, 3, [1e-4, 1.0, 1e4]),
+        (0.061, 0.079, 9, [0.064, 0.068, 0.072, 0.076]),
+    ):
+        axis = style.axes("", "")[1]
+        axis.set(xscale="log", xlim=(low, high))
+        style.decimal_ticks_of(axis.xaxis, most)
+        places = [place for place in axis.get_xticks() if low * 0.999 <= place <= high * 1.001]
+        assert places == pytest.approx(labels), (low, high)
+
+
+def test_top_of_a_page_says_the_main_cause_its_share_and_what_changes_the_verdict() -> None:
+    page = diagnosis_page(BOTH, proof=(EQUAL, COST))
+    assert page.headline == "periodic is 80 % of the error"
+    assert [(part.name, part.words) for part in page.shares] == [
+        ("periodic", "80.0 %"), ("creep", "15.0 %"), ("not explained", "4.0 %")
+    ]  # fmt: skip
+    assert list(page.lead) == [
+        "The paper's model is wrong by 6.2 % of the stroke, 0.5 um; the model with these causes by 1.2 %, 0.1 um: "
+        "5 times less, 10 times the noise."
+    ]
+    assert list(page.warnings) == []
+    html = page.html()
+    top = html.partition("<nav")[0]
+    assert "<h1>Periodic is 80 % of the error</h1>" in top
+    assert re.findall(r"flex-grow: ([\d.]+);", top) == ["0.8000", "0.1500", "0.0396"]
+    swapped = study(dataclasses.replace(HUM, share=0.1), CREEP, unknown="a jump")
+    assert words.headline(swapped) == "creep is 15 % of the error"
+    assert words.warnings(swapped) == ["None of the known causes explains the following: a jump."]
+    assert words.headline(study()) == "No cause stands out"
+    assert words.headline(study(unknown="a jump")) == "No known cause explains the error"
+    lost = study(dataclasses.replace(HUM, extended=False))
+    assert words.headline(lost) == "periodic: named, and no large part of the error"
+    assert words.in_one_sentence(lost) == (
+        "The paper's model is wrong by 6.2 % of the stroke, 0.5 um, 50 times the noise."
+    )
+    record = Record.from_arrays(U_V, 0.1 * np.random.default_rng(3).normal(size=N), TS_S)
+    loose = dataclasses.replace(study(HUM), record=record)
+    assert words.headline(loose) == "The displacement does not follow the voltage"
+    assert words.warnings(loose)[0].startswith("The displacement does not follow the voltage: a linear")
 
 
 @pytest.mark.parametrize(("swing_px", "points"), [(0.2, range(100)), (3.0, range(190, 210))])

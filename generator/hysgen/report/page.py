@@ -47,6 +47,24 @@ class KeyFigure:
         return self.label.partition(",")[0] in GLOSSARY
 
 
+PALETTE = (
+    *(("#0072b2", "#fff"), ("#e69f00", "#000"), ("#009e73", "#fff"), ("#cc79a7", "#000"), ("#56b4e9", "#000")),
+    *(("#f0e442", "#000"), ("#d55e00", "#000")),
+)
+"""Colours of shares, largest first, and of the letters on them: Okabe and Ito (2008), as in `plots.style`."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """A part of a bar: name, share (0 to 1), the share in words, colour and that of letters on it."""
+
+    name: str
+    share: float
+    words: str
+    colour: str = "#808080"
+    ink: str = "#fff"
+
+
 @dataclass(frozen=True)
 class PageTable:
     """A table of the page. cells: rows as long as `header`.
@@ -97,13 +115,19 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Page:
-    """A page. lead: the answer in sentences; figures: the most important numbers."""
+    """A page. lead: the answer in sentences; figures: the most important numbers.
+
+    headline: the answer in a few words; shares: a bar below it; warnings: what changes the answer.
+    """
 
     title: str
     lead: Sequence[str]
     figures: Sequence[KeyFigure]
     sections: Sequence[PageSection]
     quantities: Quantities | None = None
+    headline: str = ""
+    shares: Sequence[Share] = ()
+    warnings: Sequence[str] = ()
 
     def html(self) -> str:
         """The page as one HTML document, in the page's quantities, or in those in which texts are written."""

@@ -21,10 +21,12 @@ from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.report.page import (
+    PALETTE,
     KeyFigure,
     Page,
     PageSection,
     PageTable,
+    Share,
     cost_section,
     equivalence_section,
     glossary_section,
@@ -44,7 +46,7 @@ from hysgen.report.plots.traces import (
     response_pictures,
     time_picture,
 )
-from hysgen.report.words import CONFIDENCE, parameter_text, total_price, verdict
+from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, total_price, warnings
 from hysgen.uncertainty.simulated import Characterisation
 
 COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00", "#56b4e9")
@@ -159,11 +161,6 @@ def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
 SAMPLES = 100_000
 """Samples per build in the comparison of the generated C with its reference."""
 
-SHARES = (
-    "Shares in the picture: fall of the mean square from one rung of the ladder to the next, in windows of the "
-    "free run over the whole record."
-)
-
 
 def diagnosis_page(
     study: Study,
@@ -180,14 +177,18 @@ def diagnosis_page(
     report, price, why_not = (*proof, "") if proof is not None else _proof(study)
     return Page(
         title=f"{file_names(study.record.source)}: what the simulation gets wrong",
-        lead=verdict(study),
+        lead=[in_one_sentence(study)],
+        headline=headline(study),
+        shares=shares(study),
+        warnings=warnings(study),
         figures=key_figures(study, report, price),
         sections=[
-            _record(drawn, study),
-            _loops(drawn),
-            _error(drawn, study),
-            _causes(drawn, study),
+            _causes(study),
             _ladder(drawn, study),
+            _error(drawn, study),
+            _loops(drawn),
+            _record(drawn, study),
+            _abilities(study),
             *([uncertainty_section(characterisation)] if characterisation else []),
             model_section(study.diagnosis.model),
             equivalence_section(report, why_not),
@@ -217,6 +218,16 @@ def file_names(source: str) -> str:
     return ", ".join(dict.fromkeys(part.partition("[")[0] for part in source.split(", ")))
 
 
+def shares(study: Study) -> list[Share]:
+    """The parts of the bar: causes in the model, the largest first, and what is not explained."""
+    ranked = sorted(study.extended, key=lambda cause: -cause.share)
+    rest = study.diagnosis.unexplained_fraction
+    return [
+        Share(cause.name, cause.share, share_text(cause), *colours)
+        for cause, colours in zip(ranked, itertools.cycle(PALETTE), strict=False)
+    ] + [Share("not explained", rest, f"{100.0 * rest:.1f} %")]
+
+
 def key_figures(study: Study, report: Report | None, price: Cost | None) -> list[KeyFigure]:
     """Free-run errors, noise floor, price and equality of bits, for the top of the page."""
     diagnosis = study.diagnosis
@@ -226,17 +237,9 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
     held = study.held_out()
     delivered = held.extended_um if study.improved else held.base_um
     percent = fit_percent(held.measured_um, delivered)
-    if study.improved:
-        extended = diagnosis.extended_rms_um
-        figures.append(KeyFigure("free run, extended", f"{extended:.3g} µm", _span(study, extended)))
     own = diagnosis.remaining
-    figures.append(
-        KeyFigure(
-            "free run, own",
-            f"{own.rms_um:.3g} µm",
-            f"{own.in_noise:.3g} times the noise; probe {own.probe_rms_um:.3g} µm",
-        )
-    )
+    cold = f"cold {diagnosis.extended_rms_um:.3g} µm; finer model {own.probe_rms_um:.3g} µm"
+    figures.append(KeyFigure(f"free run, {'extended' if study.improved else 'own'}", f"{own.rms_um:.3g} µm", cold))
     figures.append(KeyFigure("fit (NRMSE)", f"{percent:.4g} %", "free run of the model written, held out"))
     figures.append(KeyFigure("noise floor", f"{diagnosis.noise.rms_um:.2g} µm", f"from {diagnosis.noise.source}"))
     total = total_price(study)
@@ -257,7 +260,6 @@ def _record(drawn: dict[str, Picture], study: Study) -> PageSection:
         "The record",
         text=[f"{study.record.one_line()}."],
         pictures=[drawn["record"]],
-        notes=[f"Warning: {line}." for line in study.record.warnings],
     )
 
 
@@ -265,13 +267,11 @@ def _loops(drawn: dict[str, Picture]) -> PageSection:
     return PageSection(
         "Measured and simulated",
         text=["Held-out part of the record. Grey is measured."],
-        pictures=[drawn[name] for name in ("free-run", "zoom", "loops-1", "loops-2", "gain", "phase") if name in drawn],
+        pictures=[drawn[name] for name in ("free-run", "zoom", "gain", "phase")],
     )
 
 
 def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
-    chosen = [drawn[name] for name in ("time", "horizon", "spectrum")]
-    chosen += [picture for name, picture in drawn.items() if name.startswith("error-by-")]
     after = f", {100 * study.after.above_noise:.0f} % of that of the extended model" if study.improved else ""
     return PageSection(
         "Where the error lies",
@@ -279,12 +279,12 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
             f"{100 * study.before.above_noise:.0f} % of the power of the paper's model's error stands above the noise "
             f"floor{after}. One-step errors are small for every model; the free run is the error of a simulation."
         ],
-        pictures=chosen,
+        pictures=[drawn[name] for name in ("profiles", "time", "horizon", "spectrum")],
         notes=["Error: simulated - measured. A gap in a line: the record has no such samples."],
     )
 
 
-def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
+def _causes(study: Study) -> PageSection:
     diagnosis = study.diagnosis
     ranked = sorted(diagnosis.causes, key=lambda cause: -cause.share)
     rows = [
@@ -300,22 +300,11 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
     left_out = len(diagnosis.causes) > len(study.extended)
     if diagnosis.unknown:
         rows.append(["unknown", f"{100 * diagnosis.unexplained_fraction:.1f} %", "", diagnosis.unknown, ""])
-    tables = [PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows, "Named")]
-    shown = [
-        [ability.name, "yes: named" if ability.verdict == "named" else ability.text()]
-        for ability in diagnosis.abilities
-    ]
-    tables.append(PageTable(["cause", "could this record show it?"], shown, "What this record can tell"))
-    if diagnosis.refused:
-        refused = [[item.name, item.why] for item in diagnosis.refused]
-        tables.append(PageTable(["cause", "why not"], refused, "Examined and not named"))
     return PageSection(
         "Causes and their evidence",
         text=[] if rows else ["None: the error of the paper's model is not above that of hysteresis and noise."],
-        pictures=[drawn["shares"]] if "shares" in drawn else [],
-        tables=tables if rows else tables[1:],
+        tables=[PageTable(["cause", "of the error", "confidence", "evidence", "parameters"], rows)] if rows else [],
         notes=[
-            *([SHARES] if "shares" in drawn else []),
             *(
                 [f"{cause.why_not_extended}." for cause in diagnosis.causes if cause.why_not_extended]
                 if left_out
@@ -323,7 +312,23 @@ def _causes(drawn: dict[str, Picture], study: Study) -> PageSection:
             ),
             "A cause is named if the most probable chain contains it. The ladder shows what its extension gains.",
             *([f"{CONFIDENCE[0].upper()}{CONFIDENCE[1:]}."] if rows else []),
-            *([f"Next experiment: {diagnosis.next_experiment}."] if diagnosis.next_experiment else []),
+        ],
+    )
+
+
+def _abilities(study: Study) -> PageSection:
+    diagnosis = study.diagnosis
+    shown = [
+        [ability.name, "yes: named" if ability.verdict == "named" else ability.text()]
+        for ability in diagnosis.abilities
+    ]
+    refused = [[item.name, item.why] for item in diagnosis.refused]
+    return PageSection(
+        "What this record can tell",
+        text=[f"Next experiment: {diagnosis.next_experiment}."] if diagnosis.next_experiment else [],
+        tables=[
+            PageTable(["cause", "could this record show it?"], shown),
+            *([PageTable(["cause", "why not"], refused, "Examined and not named")] if refused else []),
         ],
     )
 

@@ -121,31 +121,12 @@ def verdict(study: Study) -> list[str]:
         f"The simulation is wrong by {_percent(study.percent(diagnosis.base_rms_um))} of the stroke: "
         f"{diagnosis.base_rms_um:.3g} um rms in free run, held out; the noise is {diagnosis.noise.rms_um:.2g} um."
     )
-    apart = _apart(study)
-    share = unrelated(study.record.segments)
-    if share is not None:
-        return [
-            f"The displacement does not follow the voltage: a linear response explains {100.0 * share:.0f} % of it. "
-            "Check that the sensor is connected and the columns are right; no model of it is one of the stage.",
-            wrong,
-            *_left(diagnosis.unknown),
-        ]
+    doubted = doubts(study)
+    if unrelated(study.record.segments) is not None:
+        return [*doubted, wrong, *_left(diagnosis.unknown)]
     if not _follows(study):
-        linear = coherent_share(max(study.record.segments, key=lambda segment: segment.samples))
-        constant = "A constant is as good as every model here of the displacement"
-        constant += " as it is logged." if apart else f": a linear response to the voltage explains {linear:.0%} of it."
-        return [wrong, *apart, constant, *_left(diagnosis.unknown)]
-    if study.lines_prevail:
-        apart.append(
-            "The displacement does not follow the voltage: lines that do not depend on it are "
-            f"{study.of_lines:.0%} of its power. Check that the sensor is that of the driven axis."
-        )
-    if fed_back(study.record.segments) is not None:
-        apart.append(
-            "The voltage reacts to the displacement: the record was taken under feedback. Creep and drift stand in the "
-            "voltage then, and are told apart badly; record in open loop."
-        )
-    wrong = "\n".join([wrong, *apart])
+        return [wrong, *doubted, *_left(diagnosis.unknown)]
+    wrong = "\n".join([wrong, *doubted])
     if not diagnosis.causes:
         wrong = f"{wrong}\n{diagnosis.remaining.line()}"
         if diagnosis.unknown:
@@ -182,6 +163,70 @@ def verdict(study: Study) -> list[str]:
     price = f", for about {total.cycles} more cycles a sample and {total.bytes} more bytes" if total else ""
     lines.append(f"{gained}{price}.")
     return [*lines, diagnosis.remaining.line(), *left_out, *_left(diagnosis.unknown)]
+
+
+def doubts(study: Study) -> list[str]:
+    """Sentences about the record that change the answer: they stand beside it."""
+    share = unrelated(study.record.segments)
+    if share is not None:
+        return [
+            f"The displacement does not follow the voltage: a linear response explains {100.0 * share:.0f} % of it. "
+            "Check that the sensor is connected and the columns are right; no model of it is one of the stage."
+        ]
+    doubted = _apart(study)
+    if not _follows(study):
+        linear = coherent_share(max(study.record.segments, key=lambda segment: segment.samples))
+        constant = "A constant is as good as every model here of the displacement"
+        explained = f": a linear response to the voltage explains {linear:.0%} of it."
+        return [*doubted, constant + (" as it is logged." if doubted else explained)]
+    if study.lines_prevail:
+        doubted.append(
+            "The displacement does not follow the voltage: lines that do not depend on it are "
+            f"{study.of_lines:.0%} of its power. Check that the sensor is that of the driven axis."
+        )
+    if fed_back(study.record.segments) is not None:
+        doubted.append(
+            "The voltage reacts to the displacement: the record was taken under feedback. Creep and drift stand in the "
+            "voltage then, and are told apart badly; record in open loop."
+        )
+    return doubted
+
+
+def warnings(study: Study) -> list[str]:
+    """All that may change the verdict: doubts about the record, what no cause explains, missing certificates."""
+    missing = study.diagnosis.missing_certificates
+    return [
+        *doubts(study),
+        *_left(study.diagnosis.unknown),
+        *(f"{line}." for line in study.record.warnings),
+        *([f"Not certified in the extended model: {', '.join(missing)}."] if missing else []),
+    ]
+
+
+def headline(study: Study) -> str:
+    """The main cause and its share in a few words."""
+    named = sorted(study.diagnosis.causes, key=lambda cause: -cause.share)
+    if not study.follows_voltage:
+        return "The displacement does not follow the voltage"
+    if study.extended and named[0].share >= SMALLEST_SHARE:
+        return f"{named[0].name} is {100.0 * named[0].share:.0f} % of the error"
+    if named:
+        return f"{_listed([cause.name for cause in named])}: named, and no large part of the error"
+    return "No known cause explains the error" if study.diagnosis.unknown else "No cause stands out"
+
+
+def in_one_sentence(study: Study) -> str:
+    """The verdict: the error of the paper's model, and of the model with every cause."""
+    diagnosis = study.diagnosis
+    own, base_um = diagnosis.remaining, diagnosis.base_rms_um
+    said = f"The paper's model is wrong by {_percent(study.percent(base_um))} of the stroke, {base_um:.3g} um"
+    if study.extended:
+        causes = "this cause" if len(study.extended) == 1 else "these causes"
+        said += (
+            f"; the model with {causes} by {_percent(study.percent(own.rms_um))}, {own.rms_um:.3g} um: "
+            f"{diagnosis.base_own_um / max(own.rms_um, 1e-300):.3g} times less"
+        )
+    return f"{said}, {own.in_noise:.3g} times the noise."
 
 
 def _apart(study: Study) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 from scipy.signal import csd
 
@@ -250,11 +250,9 @@ def response_pictures(shown: Simulated) -> list[Picture]:
             remarks["gain"].append(f"{name} {abs(response[0]):.3g} to {abs(response[-1]):.3g} µm/V")
             remarks["phase"].append(f"{name} {turned[0]:.0f} to {turned[-1]:.0f} degrees")
     for axis in (gains, phases):
-        axis.xaxis.set_major_formatter(FuncFormatter(style.plain_number))
-        axis.xaxis.set_minor_formatter(NullFormatter())
+        style.decimal_ticks_of(axis.xaxis)
         style.legend_above(axis)
-    gains.yaxis.set_major_formatter(FuncFormatter(style.plain_number))
-    gains.yaxis.set_minor_formatter(StrMethodFormatter("{x:.3g}"))
+    style.decimal_ticks_of(gains.yaxis)
     span = f"from {at_Hz[0]:.3g} to {at_Hz[-1]:.3g} Hz" if at_Hz.size else f"nowhere above {LEAST_COHERENCE:g} coherent"
     return [
         Picture("gain", "Gain against frequency", f"Gain {span}: {'; '.join(remarks['gain'])}.", gain),
