@@ -3,7 +3,6 @@
 The foreign stages share no equation with the model, the probe, or the virtual stage.
 """
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -215,11 +214,15 @@ def test_the_sensor_of_another_axis_is_said_and_its_model_has_no_c() -> None:
 
 
 @pytest.mark.slow
-def test_a_static_curve_behind_a_lag_is_no_memory_and_is_said_to_be_a_curve() -> None:
+@pytest.mark.parametrize("bow_um", [3.0, -0.04, 0.0], ids=["wide", "narrow", "straight"])
+def test_a_stage_that_bends_and_does_not_remember_is_a_curve_and_its_gain_is_measured(bow_um: float) -> None:
     u_V = good(np.random.default_rng(8), 8000, 0.0, 100.0)
-    y_um = lfilter([0.0, 0.25], [1.0, -0.75], 0.03 * u_V + 7e-4 * u_V**2)
-    found = diagnose(Record.from_arrays(u_V, y_um + 2e-3 * np.random.default_rng(9).normal(size=u_V.size), 2.5e-4))
-    assert found.names == ()
-    left = re.search(r"a static curve and one lag, without memory, leave ([\d.]+) um", found.remaining.reason)
-    assert left is not None
-    assert float(left[1]) < 1.5 * found.noise.rms_um < 0.1 * found.remaining.rms_um
+    bent_um = 0.1 * u_V + bow_um * np.sin(np.pi * u_V / 100.0)
+    y_um = lfilter([0.0, 0.25], [1.0, -0.75], bent_um) + 2e-3 * np.random.default_rng(9).normal(size=u_V.size)
+    found = diagnose(Record.from_arrays(u_V, y_um, 2.5e-4))
+    assert found.names == (("curve",) if bow_um else ())
+    assert found.remaining.rms_um < 1.5 * found.noise.rms_um
+    for cause in found.causes:
+        assert cause.parameters["bow_um"].value == pytest.approx(bow_um, rel=0.01)
+        assert cause.confidence is not None
+        assert cause.confidence > 0.99

@@ -211,7 +211,6 @@ def _finite(value: float) -> float | None:
 
 
 FALLING = "a hysteresis that may fall leaves {}, and has no inverse (--predict-only)"
-STATIC = "a static curve and one lag, without memory, leave {} (hysgen fit --memory 0)"
 
 WORTH_ANOTHER_FORM = 0.8
 """Own figure of another form, over that of the model, up to which it is spoken of: a finer form of the same hysteresis
@@ -273,18 +272,18 @@ def left_over(
     extensions: Mapping[str, Extension],
     model: Remaining,
     noise_um: float,
-    other: Callable[[], Remaining],
-    in_words: str,
+    remembers: bool,
+    falling: Callable[[], Remaining],
 ) -> Left:
     """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves.
 
-    other: what another form of the path leaves, asked where something is left; in_words: the form, FALLING or STATIC.
+    falling: what a hysteresis that may fall leaves, asked where something is left and the stage remembers.
     """
     probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
     reason = _reason(model.rms_um, probe.rms_um, noise_um)
     left = model.rms_um > AT_THE_NOISE * noise_um
-    if left and (other_um := other().rms_um) <= WORTH_ANOTHER_FORM * model.rms_um:
-        reason = in_words.format(f"{other_um:.3g} um")
+    if left and remembers and (other_um := falling().rms_um) <= WORTH_ANOTHER_FORM * model.rms_um:
+        reason = FALLING.format(f"{other_um:.3g} um")
     return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 
 

@@ -105,6 +105,8 @@ def abilities(residual: Residual, whole: Residual, named: Mapping[str, object]) 
         if name in named:
             result.append(Ability(name, "named"))
             continue
+        if cause.held_by in named:
+            continue
         effect = cause.effect(whole if cause.on_all_rows else residual)
         if effect is None:
             result.append(Ability(name, "not excited", experiment=cause.experiment))

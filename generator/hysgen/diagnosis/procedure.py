@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.answer import FALLING, STATIC, Diagnosis, NamedCause, Price, Refused, left_over
+from hysgen.diagnosis.answer import Diagnosis, NamedCause, Price, Refused, left_over
 from hysgen.diagnosis.causes import Estimate, Residual, Signature, causes, in_ladder_order
 from hysgen.diagnosis.experiment import Limits, in_words, lacking, with_time_for
 from hysgen.diagnosis.extension import Correction, Extension
@@ -32,7 +32,6 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
-from hysgen.fitting.operator import CURVE
 from hysgen.machine.cache import forget, resumed, steps
 from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
@@ -358,8 +357,7 @@ def _scored(
                 extended=name in made,
             )
         )
-    remembers = "memory" in agreed
-    freer = dataclasses.replace(settings.fit, rising=not remembers, memory=None if remembers else CURVE)
+    falling = dataclasses.replace(settings.fit, rising=False)
     steps = np.concatenate([np.diff(s.y_um, prepend=s.y_um[0]) for s in prepared.record.segments])
     return Diagnosis(
         causes=tuple(named),
@@ -380,8 +378,8 @@ def _scored(
             naming.extensions,
             found[-1],
             noise.rms_um,
-            lambda: _left(naming, _rung(naming, freer, agreed), found[-1]),
-            FALLING if remembers else STATIC,
+            "memory" in agreed,
+            lambda: _left(naming, _rung(naming, falling, agreed), found[-1]),
         ),
         noise=noise,
         persistence_um=rms(steps[held]),

@@ -221,7 +221,7 @@ def determined(scene: Scene, fit: Fit) -> float:
     """
     level = (fit.rms_um / float(np.ptp(scene.y_um[scene.rows]))) ** 2 + 1e-300
     relaxing = tuple(part for part in fit.chain.amplifier if part.relaxation > 0.0)
-    powers = _powers(scene, Chain(scene.Ts_s, relaxing, fit.chain.memory))
+    powers = _powers(scene, Chain(scene.Ts_s, relaxing, fit.chain.memory, fit.chain.curve))
     return float(np.sum(powers / (powers + level)))
 
 
@@ -240,7 +240,7 @@ def prior_score(chain: Chain) -> float:
 
 def structure(chain: Chain) -> Hashable:
     """Key for the parts of a chain without the values of their parameters."""
-    return (chain.memory, *(part.names for part in chain.parts))
+    return (chain.memory, chain.curve, *(part.names for part in chain.parts))
 
 
 def present(chain: Chain) -> list[str]:
@@ -261,7 +261,7 @@ def admissible(scene: Scene, fit: Fit) -> bool:
 def confidences(visited: list[Scored], final: Scored) -> dict[str, float]:
     """Posterior probability of each cause over the sets of causes of the visited chains.
 
-        p(cause) = sum over sets with the cause of exp(-rise/2) / sum over all sets
+        p(cause) = sum over sets with the cause, or one that holds it, of exp(-rise/2) / sum over all sets
 
     rise: least rise of the score from the final chain to one with this set, by the independent samples of what the
     larger of the two adds; at least 0, because the search has refused every other chain, by more than this one number.
@@ -273,7 +273,8 @@ def confidences(visited: list[Scored], final: Scored) -> dict[str, float]:
         rises[names] = min(rises.get(names, math.inf), max(_rise(final, one), 0.0))
     weights = {names: math.exp(-0.5 * rise) for names, rise in rises.items()}
     total = math.fsum(weights.values())
-    return {name: math.fsum(w for names, w in weights.items() if name in names) / total for name in causes()}
+    holders = {name: {name, cause.held_by} for name, cause in causes().items()}
+    return {name: math.fsum(w for names, w in weights.items() if names & holders[name]) / total for name in causes()}
 
 
 def _rise(final: Scored, other: Scored) -> float:

@@ -156,6 +156,9 @@ class Cause(abc.ABC):
     """Odds of the cause before the record: of the ten causes with an extension, a stage has one on average beside
     memory."""
 
+    held_by: ClassVar[str] = ""
+    """A cause whose part holds this one: a stage that has that one has no name for this."""
+
     extends: ClassVar[bool] = True
     """Whether a model can be extended by the cause; False for changes that no model predicts."""
 

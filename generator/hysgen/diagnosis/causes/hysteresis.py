@@ -1,5 +1,6 @@
 """Memory: the output depends on past extremes of the input, so the loop stays open at any frequency.
 
+Curve: without memory, the displacement at rest is no straight line of the voltage.
 Relaxation: domains switch by thermal activation, so the loop depends on the rate and a held input lets h creep.
 """
 
@@ -17,7 +18,7 @@ from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
 from hysgen.display import decimal
-from hysgen.fitting.operator import RELAXING, PathSize
+from hysgen.fitting.operator import CURVE, RELAXING, PathSize
 from hysgen.fitting.path import RELAXATIONS
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
@@ -80,7 +81,7 @@ class MemoryCause(Cause):
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
-        return [] if chain.memory else [dataclasses.replace(chain, memory=True)]
+        return [] if chain.memory else [dataclasses.replace(chain, memory=True, curve=True)]
 
     def effect(self, residual: Residual) -> Effect:
         """Of a play, per um of the opening of its loop."""
@@ -116,6 +117,54 @@ class MemoryCause(Cause):
 
     def extension(self, residual: Residual) -> Extension:
         return Extension(size=PathSize(), lag_s=residual.fit.chain.lag_s)
+
+
+class CurveCause(Cause):
+    """h(v) = g(v), single-valued; a straight line without it. The hysteresis of a stage with memory bends, too."""
+
+    name = "curve"
+    kind = "hysteresis"
+    rank = 39
+    prior_odds = 1.0  # of the few drives that do not remember, as many bend as do not
+    held_by = "memory"
+    experiment = Piece.NESTED
+
+    def present(self, chain: Chain) -> bool:
+        return chain.curve and not chain.memory
+
+    def without(self, chain: Chain) -> Chain:
+        return dataclasses.replace(chain, curve=chain.memory)
+
+    def proposals(self, residual: Residual) -> list[Chain]:
+        chain = residual.fit.chain
+        return [] if chain.curve else [dataclasses.replace(chain, curve=True)]
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of a parabola, per um of its bow over the range of the voltage."""
+        scene = residual.scene
+        bows = [1.0 - scene.operator.normalised(run.u_V) ** 2 for run in scene.runs]
+        return Effect("um from a straight line", np.concatenate(bows))
+
+    def signature(self, residual: Residual, rival: Fit) -> Signature:
+        """The largest bow of the curve, divided by the error that its weights have in white noise."""
+        scene, fit = residual.scene, residual.fit
+        v_V = np.concatenate([fit.chain.amplified(run.u_V, scene.Ts_s * run.stride) for run in scene.runs])
+        paths = zip(scene.runs, scene.paths(fit.chain, fit.weights), strict=True)
+        h_um = np.concatenate([path[len(run.history) :] for run, path in paths])
+        ends = [int(np.argmin(v_V)), int(np.argmax(v_V))]
+        bow_um = h_um - np.interp(v_V, v_V[ends], h_um[ends])
+        at = int(np.argmax(np.abs(bow_um)))
+        error_um = fit.rms_um * math.sqrt(scene.hysteresis_size(fit.chain) / len(scene.rows))
+        most_um = float(bow_um[at])
+        return Signature(
+            z=abs(most_um) / max(error_um, 1e-15),
+            text=f"at {v_V[at]:.4g} V the curve lies {decimal(most_um, 3)} um from a straight line between its ends, "
+            f"the same on the way up and down; a straight line leaves {rival.rms_um / fit.rms_um:.3g} times the error",
+            parameters={"bow_um": Estimate(most_um, error_um)},
+        )
+
+    def extension(self, residual: Residual) -> Extension:
+        return Extension(size=CURVE, lag_s=residual.fit.chain.lag_s)
 
 
 def swings(u_V: Floats) -> NDArray[np.int64]:

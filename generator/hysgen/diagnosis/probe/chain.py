@@ -42,13 +42,14 @@ class Chain:
     """One hypothesis about the stage.
 
     lag_s: time constant of the first-order lag that every chain has.
-    parts: at most one of each cause, in their order. memory: whether h is a hysteresis operator or a single-valued
-    curve.
+    parts: at most one of each cause, in their order. memory: whether h is a hysteresis operator or single-valued.
+    curve: whether a single-valued h may bend; a hysteresis always may.
     """
 
     lag_s: float
     parts: tuple[Part, ...] = ()
     memory: bool = True
+    curve: bool = True
 
     def __post_init__(self) -> None:
         parts = tuple(sorted((part.behind(self.lag_s) for part in self.parts), key=lambda part: part.place))

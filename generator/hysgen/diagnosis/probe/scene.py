@@ -137,7 +137,7 @@ class Scene:
     def _operator(self, chain: Chain) -> Operator:
         if chain.memory:
             return dataclasses.replace(self.operator, relaxation=chain.relaxation)
-        return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE)
+        return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE if chain.curve else 1)
 
     def hysteresis(self, chain: Chain) -> list[Floats]:
         """Columns of h for each run, (operator.size, k_i + n_i) with its history, for the chain's amplifier."""
@@ -146,7 +146,9 @@ class Scene:
         def columns(run: Trace) -> Floats:
             return self._path(run, chain, lambda v_V: operator.columns(v_V, run.start))
 
-        return self._hysteresis.get((chain.memory, chain.amplifier), lambda: [columns(run) for run in self.runs])
+        return self._hysteresis.get(
+            (chain.memory, chain.curve, chain.amplifier), lambda: [columns(run) for run in self.runs]
+        )
 
     def columns(self, chain: Chain) -> Floats:
         """(p, n) columns of the linear parameters: chain's response to the columns of h, then `added_columns`."""

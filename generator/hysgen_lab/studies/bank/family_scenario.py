@@ -97,7 +97,7 @@ class FamilyScenario(Scenario):
     @property
     def allowed(self) -> tuple[str, ...]:
         """Beside hysterons that thermal activation switches: creep, which they show, and `unknown` for the rest."""
-        return ("creep", "relaxation", UNKNOWN) if isinstance(self.stage.memory, ThermalHysterons) else ()
+        return ("creep", "relaxation", UNKNOWN) if isinstance(self.stage.memory, ThermalHysterons) else super().allowed
 
     def record(self, measured: Measurement) -> Record:
         y_um = self.sensor.reading(measured.displacement_um, self.seed)[PAST:]

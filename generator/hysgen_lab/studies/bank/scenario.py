@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hysgen.record import Record
 from hysgen_lab.stage import Measurement, NoiseEffect, Stage, effects, run
 from hysgen_lab.stage.effects import UNKNOWN, Effect, Setting
-from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve, draw_hysteresis
+from hysgen_lab.stage.effects.memory import Curve, Hysteresis, draw_curve, draw_hysteresis
 
 Floats = NDArray[np.float64]
 POOR = ("one sine", "small strokes", "slow triangle")
@@ -123,7 +123,7 @@ class Scenario:
     @property
     def allowed(self) -> tuple[str, ...]:
         """Causes that may be named although no effect plants them."""
-        return ()
+        return ("curve",) if isinstance(self.stage.memory, Curve) else ()
 
     @property
     def planted(self) -> tuple[str, ...]:
