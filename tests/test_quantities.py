@@ -98,6 +98,15 @@ def test_quantities_that_do_not_fit_are_refused(log: str, capsys: pytest.Capture
     assert "input=field [mT],output=angle [deg]" in capsys.readouterr().err
 
 
+def test_a_column_that_is_named_is_read_whatever_its_name(tmp_path: Path) -> None:
+    rows = np.column_stack([1e-3 * np.arange(len(B_MT)), B_MT, B_MT[::-1], PHI_DEG])
+    np.savetxt(tmp_path / "log.csv", rows, delimiter=",", header="time_s,voltage_V,field_mT,angle_deg", comments="")
+    both = "input=field [mT],output=angle [deg]"
+    assert np.array_equal(hysgen.load_record(tmp_path / "log.csv", both).u_V, rows[:, 2])
+    named = f"voltage=voltage_V,voltage_unit=mT,{both}"
+    assert np.array_equal(hysgen.load_record(tmp_path / "log.csv", named).u_V, rows[:, 1])
+
+
 def test_a_text_is_translated_once_and_tables_stay_straight() -> None:
     swapped = Quantities("displacement", "um", "voltage", "V")
     assert swapped.text("a voltage of 2 V moves by 3 um") == "a displacement of 2 um moves by 3 V"

@@ -1,7 +1,5 @@
 """`python -m hysgen` is the command `hysgen`."""
 
-from __future__ import annotations
-
 import sys
 
 
@@ -14,6 +12,9 @@ def run() -> int:
     except KeyboardInterrupt:
         print("\nhysgen: interrupted before anything was done", file=sys.stderr)
         return 130
+    finally:
+        # CPython notes an interrupt in executed text, as a dataclass is made of, and would end by the signal.
+        exec("")
 
 
 if __name__ == "__main__":

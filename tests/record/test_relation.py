@@ -164,11 +164,18 @@ def test_noise_is_no_inverted_sensor(seed: int) -> None:
     assert "does not follow" in line
 
 
-def test_where_only_the_other_axis_follows_the_voltage_it_is_named(tmp_path: Path) -> None:
-    rows = np.column_stack([TS_S * np.arange(N), U_V, 0.1 * U_V, RNG.normal(size=N)])
-    np.savetxt(tmp_path / "xy.csv", rows, delimiter=",", header="time_s,voltage_V,x_um,y_um", comments="")
-    (line,) = (one for one in hysgen.load_record(tmp_path / "xy.csv").warnings if "does not follow" in one)
-    assert line.endswith("; x_um follows it: --columns displacement=x_um")
+def test_where_only_the_other_axis_follows_the_voltage_it_is_read_unless_one_is_named(tmp_path: Path) -> None:
+    path, rows = tmp_path / "xy.csv", np.column_stack([TS_S * np.arange(N), U_V, 0.1 * U_V, RNG.normal(size=N)])
+    for names in ("x_um,y_um", "x,y", "sensor [um],position [um]"):
+        np.savetxt(path, rows, delimiter=",", header=f"time_s,voltage_V,{names}", comments="")
+        x, y = names.split(",")
+        found = load_record(path)
+        assert np.array_equal(found.y_um, rows[:, 2])
+        assert f"xy.csv: {y} does not follow voltage_V, {x} does: read as displacement={x}" in found.warnings
+        asked = load_record(path, f"displacement={y}")
+        assert np.array_equal(asked.y_um, rows[:, 3])
+        (line,) = (one for one in asked.warnings if "does not follow" in one)
+        assert line.endswith(f"; {x} follows it: --columns displacement={x}")
 
 
 ROWS, STEP_S, RATE = 4000, 1e-3, 0.2

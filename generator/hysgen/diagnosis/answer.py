@@ -277,12 +277,14 @@ def left_over(
 ) -> Left:
     """What is left. chain: of the search; extensions: of all causes in it; model: what the last rung leaves.
 
-    falling: what a hysteresis that may fall leaves, asked where something is left and the stage remembers.
+    falling: what a hysteresis that may fall leaves, asked where something is left, the stage remembers, and the probe,
+    which is bound to no form, leaves less.
     """
     probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
     reason = _reason(model.rms_um, probe.rms_um, noise_um)
-    left = model.rms_um > AT_THE_NOISE * noise_um
-    if left and remembers and (other_um := falling().rms_um) <= WORTH_ANOTHER_FORM * model.rms_um:
+    worth_um = WORTH_ANOTHER_FORM * model.rms_um
+    left = model.rms_um > AT_THE_NOISE * noise_um and probe.rms_um <= worth_um
+    if left and remembers and (other_um := falling().rms_um) <= worth_um:
         reason = FALLING.format(f"{other_um:.3g} um")
     return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 

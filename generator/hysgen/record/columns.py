@@ -52,12 +52,12 @@ class Columns:
 
     time, voltage, displacement: names of the columns (CSV) or arrays (NPZ, MAT, HDF5; there also a path "group/name",
         and a selection "u[:,0,:,:]": the first ':' is the time axis, each further ':' an axis of segments, a number an
-        index). time = "" ignores any time column; then Ts_s must be given.
+        index). time = "" ignores any time column; then Ts_s must be given. The other two, "": as in hysgen's own files.
     time_unit, voltage_unit, displacement_unit: None takes the unit that ends the name ("x_nm" is nm), else s, V, um.
         A number before the unit is what one in the file is: "10um" for a sensor of 10 um a volt, "-1um" for an inverted
         one, "100V" for a monitor of 1:100.
     input, output: two other quantities in the columns voltage and displacement, each with its unit, as "field [mT]" and
-        "angle [deg]"; both or none. These columns are then called field_mT and angle_deg, if not named.
+        "angle [deg]"; both or none. hysgen's own files call these columns field_mT and angle_deg.
     segment: column or array with the number of the unbroken run; used if the file has it.
     aux: further channels to read, each "name" or "new_name=name"; None reads every other numeric column, () reads none.
     separator: one character, or comma, semicolon, tab, space; None detects it in the header.
@@ -70,8 +70,8 @@ class Columns:
     """
 
     time: str = "time_s"
-    voltage: str = "voltage_V"
-    displacement: str = "displacement_um"
+    voltage: str = ""
+    displacement: str = ""
     time_unit: str | None = None
     voltage_unit: str | None = None
     displacement_unit: str | None = None
@@ -87,10 +87,8 @@ class Columns:
     def __post_init__(self) -> None:
         if (self.input is None) != (self.output is None):
             raise RecordError("columns: input and output are given together, as input=field [mT],output=angle [deg]")
-        if (stated := self.quantities).other:
-            for role, own in zip(("voltage", "displacement"), stated.columns, strict=True):
-                if getattr(self, role) == OWN[role]:
-                    object.__setattr__(self, role, own)
+        for role, own in zip(("voltage", "displacement"), self.quantities.columns, strict=True):
+            object.__setattr__(self, role, getattr(self, role) or own)
         for role in UNITS:
             unit = getattr(self, f"{role}_unit")
             if unit is not None and conversion(self.units_of(role), unit) is None:
@@ -148,8 +146,14 @@ class Columns:
         """The columns for a file of these quantities, if none are stated."""
         if self.quantities.other or not quantities.other:
             return self
-        q = quantities
-        return replace(self, input=f"{q.input} [{q.input_unit}]", output=f"{q.output} [{q.output_unit}]")
+        q, (voltage, displacement) = quantities, self.quantities.columns
+        return replace(
+            self,
+            input=f"{q.input} [{q.input_unit}]",
+            output=f"{q.output} [{q.output_unit}]",
+            voltage="" if self.voltage == voltage else self.voltage,
+            displacement="" if self.displacement == displacement else self.displacement,
+        )
 
     def named(self, names: Mapping[str, str], units: Mapping[str, str] | None = None) -> Columns:
         """The columns with these names and units by role."""
@@ -204,11 +208,11 @@ class Columns:
         """Raises RecordError for a unit in a name or in a row of units that is none of the role's."""
         if self.plain(role, unit) not in self.units_of(role):
             name, base = getattr(self, role), self.base(role)
+            unit = f"'{unit}'" if self.quantities.other else unit
             scaled = f"; if one {unit} is 10 {base}, {role}_unit=10{base}" if role != "time" else ""
             if role != "time" and not self.quantities.other:
                 scaled += "; if it is another quantity, say both, as input=field [mT],output=angle [deg]"
             where = f"{source}: " if source else ""
-            unit = f"'{unit}'" if self.quantities.other else unit
             raise RecordError(
                 f"{where}the {role} '{name}' is in {unit}, which is no unit of a {role}; if it is in {base} "
                 f'all the same, give --columns "{role}={name},{role}_unit={base}"{scaled}'

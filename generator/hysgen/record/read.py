@@ -14,6 +14,7 @@ from hysgen.record.columns import Columns
 from hysgen.record.csv_text import read_csv, write_csv
 from hysgen.record.data import Record
 from hysgen.record.formats import FileArrays, Text, open_checked
+from hysgen.record.relation import followers
 from hysgen.record.runs import DEFAULT, Content, checked, columns_of, of_file_arrays, runs_of_arrays
 from hysgen.record.sampling import JITTER
 
@@ -111,11 +112,22 @@ def _opened(path: Path) -> Text | FileArrays:
 
 def content_of(path: Path, columns: Columns) -> Content:
     """What a file holds, before the checks of time and values."""
-    content = _opened(path)
-    if not isinstance(content, Text):
-        return of_file_arrays(path.name, content, columns)
-    table, columns = read_csv(path.name, content, columns)
-    runs = runs_of_arrays(path.name, table, columns, columns.Ts_s)
+    file = _opened(path)
+    content = _content(path.name, file, columns)
+    chosen = content.columns.displacement
+    if chosen == columns.displacement or len(better := [*followers(content.runs)]) != 1:
+        return content
+    # The name alone decided, and another column of the kind follows the voltage.
+    content = _content(path.name, file, columns.named({"displacement": better[0]}))
+    said = f"{chosen} does not follow {content.columns.voltage}, {better[0]} does: read as displacement={better[0]}"
+    return replace(content, remarks=(*content.remarks, said))
+
+
+def _content(source: str, file: Text | FileArrays, columns: Columns) -> Content:
+    if not isinstance(file, Text):
+        return of_file_arrays(source, file, columns)
+    table, columns = read_csv(source, file, columns)
+    runs = runs_of_arrays(source, table, columns, columns.Ts_s)
     return Content(runs, columns, table.remarks, columns.Ts_s or table.Ts_s)
 
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from hysgen.record.columns import split_unit
+from hysgen.record.names import roles_in
 from hysgen.record.segment import Segment
 from hysgen.record.series import plateaus
 
@@ -230,7 +231,7 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
             yield (
                 f"{names} does not follow {drive}: largest correlation {lag.correlation:.2f}, a linear response "
                 f"explains {100.0 * share:.0f} % of it; check that the sensor is connected and the columns are right"
-                + "".join(f"; {name} follows it: --columns displacement={name}" for name in _following(run))
+                + "".join(f"; {name} follows it: --columns displacement={name}" for name in followers([run]))
             )
         return
     if lag.correlation > 0.0 and lag.misaligned:
@@ -266,14 +267,22 @@ def stands(runs: Sequence[Segment]) -> Iterator[str]:
                 yield f"{run.origin.at(start)}: {what} while the voltage moves: is the sensor stuck? Leave them out"
 
 
-def _following(run: Segment) -> Iterator[str]:
-    """The further columns that follow the voltage and are named as the displacement is: x_um beside y_um."""
+def followers(runs: Sequence[Segment]) -> Iterator[str]:
+    """The further columns that follow the voltage and may be the displacement, where the one chosen does not.
+
+    They are named as it is, x_um beside y_um, or by a word or unit of a displacement.
+    """
+    run = max(runs, key=lambda segment: segment.samples)
+    chosen = lag_of(run) if run.aux else None
+    if chosen is None or abs(chosen.correlation) >= TOGETHER:
+        return
     name = run.origin.displacement
     for other, values in run.aux.items():
-        lag = lag_of(replace(run, y_um=values))
         alike = len(other) == len(name) and split_unit(other)[1] == split_unit(name)[1]
-        if alike and lag is not None and lag.correlation >= LATE:
-            yield other
+        if alike or "displacement" in roles_in([other]):
+            lag = lag_of(replace(run, y_um=values))
+            if lag is not None and lag.correlation >= LATE:
+                yield other
 
 
 def held(runs: Sequence[Segment], Ts_s: float) -> Iterator[str]:

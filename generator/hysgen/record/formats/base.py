@@ -82,6 +82,26 @@ class Format:
     after: tuple[str, ...] = ()
 
 
+MOST_BYTES = 2 << 30
+"""Size up to which a packed file is unpacked: some 50 million rows; what is hardly packed may be larger."""
+
+AT_ONCE, MOST_TIMES = 64 << 20, 100
+"""Bytes that are unpacked in one step, and how many times its packed size a larger file may have: measured numbers pack
+to a third or a tenth, a bomb to a thousandth."""
+
+
+def check_size(path: Path, size: int, packed: int = 0) -> None:
+    """Raises RecordError for a bomb, by the bytes unpacked or stated so far and those that they were packed to.
+
+    packed: 0 for all of the file.
+    """
+    packed = packed or path.stat().st_size
+    if size > max(MOST_BYTES, 2 * packed):
+        raise RecordError(f"{path.name}: is more than {MOST_BYTES >> 30} GiB unpacked; unpack it and give a part")
+    if size > max(AT_ONCE, MOST_TIMES * packed):
+        raise RecordError(f"{path.name}: unpacks to more than {MOST_TIMES} times its size, as no measured record does")
+
+
 def library(name: str, path: Path, what: str) -> Any:
     """A library of the extra `hysgen[formats]`. Raises RecordError without it."""
     try:

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import Array, FileArrays, Format, Series, collected, one_line, period_in
+from hysgen.record.formats.base import Array, FileArrays, Format, Series, check_size, collected, one_line, period_in
 
 FILL_VALUES = ("_FillValue", "missing_value")
 """Attributes of a dataset with the stored value that means none (CF)."""
@@ -38,6 +38,7 @@ def read_hdf5(path: Path) -> FileArrays:
     arrays: dict[str, Array] = {}
     units: dict[str, str] = {}
     periods: list[float] = []
+    sizes: list[int] = []
 
     def take(name: str, item: Any) -> None:
         if re.search(r"(^|/)_i_", name):
@@ -54,6 +55,8 @@ def read_hdf5(path: Path) -> FileArrays:
             raise _MatlabTableError
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             return
+        sizes.append(int(item.nbytes))
+        check_size(path, sum(sizes))
         unit = next((item.attrs[key] for key in item.attrs if str(key).lower() in ("unit", "units")), None)
         if unit is not None:
             units[name] = unit.decode() if isinstance(unit, bytes) else str(unit)

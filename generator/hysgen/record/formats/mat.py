@@ -1,5 +1,7 @@
 """MAT files of version 4, 5 and 7.3: numeric variables, fields of structures, tables and timetables."""
 
+import contextlib
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,7 +11,7 @@ import scipy.io
 from scipy.io.matlab import MatlabOpaque
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import Array, FileArrays, Format, one_line
+from hysgen.record.formats.base import Array, FileArrays, Format, check_size, one_line
 from hysgen.record.formats.hdf5 import MAGIC, MATLAB_BLOCK, read_hdf5, read_tables
 
 
@@ -21,7 +23,11 @@ def read_mat(path: Path) -> FileArrays:
     if not start.startswith(b"MATLAB 5.0 MAT-file") and not _is_mat_4(path):
         raise RecordError(f"{path.name}: is not a MAT file of version 4, 5 or 7.3; save it with MATLAB's -v7 or -v7.3")
     try:
+        with contextlib.suppress(TypeError):  # objects have no shape
+            check_size(path, sum(8 * math.prod(shape) for _, shape, _ in scipy.io.whosmat(str(path))))
         content = scipy.io.loadmat(str(path), simplify_cells=True)
+    except RecordError:
+        raise
     except Exception as fault:  # SciPy's parser may raise any exception on a damaged file
         raise RecordError(f"{path.name}: is damaged ({one_line(fault)}); save it again") from fault
     arrays = dict(_flat("", content))

@@ -11,14 +11,11 @@ from typing import Any
 
 from hysgen.errors import RecordError
 from hysgen.record.formats import unpacked
-from hysgen.record.formats.base import FileArrays, Format, Text, check_parts
+from hysgen.record.formats.base import AT_ONCE, FileArrays, Format, Text, check_parts, check_size
 
 ZIP = b"PK\x03\x04"
 
-MOST_BYTES = 2 << 30
-"""Size up to which a packed file is unpacked: some 50 million rows; a bomb states or reaches more."""
-
-PACKED: Mapping[bytes, tuple[str, Callable[[Path], Any]]] = {
+PACKED: Mapping[bytes, tuple[str, Callable[[Any], Any]]] = {
     b"\x1f\x8b": ("gzip", gzip.open),
     b"BZh": ("bzip2", bz2.open),
     b"\xfd7zXZ": ("xz", lzma.open),
@@ -32,7 +29,8 @@ def parts_of(path: Path, head: bytes) -> list[str]:
         return []
     try:
         with zipfile.ZipFile(path) as archive:
-            _check_size(path, sum(part.file_size for part in archive.infolist()))
+            parts = archive.infolist()
+            check_size(path, sum(part.file_size for part in parts))
             return [name for name in archive.namelist() if not name.endswith("/") and not name.startswith("__MACOSX/")]
     except (zipfile.BadZipFile, OSError, EOFError, RuntimeError):
         return []
@@ -44,9 +42,11 @@ def read_packed(path: Path) -> Text | FileArrays:
     for magic, (what, unpack) in PACKED.items():
         if head.startswith(magic):
             try:
-                with unpack(path) as packed:
-                    data = packed.read(MOST_BYTES + 1)
-                _check_size(path, len(data))
+                with path.open("rb") as stream, unpack(stream) as packed:
+                    data = bytearray()
+                    while part := packed.read(AT_ONCE):
+                        data += part
+                        check_size(path, len(data), stream.tell())
                 return _inner(path, path.name.removesuffix(path.suffix), data)
             except (OSError, EOFError, ValueError, lzma.LZMAError) as fault:
                 raise RecordError(f"{path.name}: is no whole {what} file ({fault}); pack it again") from fault
@@ -61,12 +61,7 @@ def read_packed(path: Path) -> Text | FileArrays:
     raise RecordError(f"{path.name}: holds {len(parts)} files; unpack it and name the record")
 
 
-def _check_size(path: Path, size: int) -> None:
-    if size > MOST_BYTES:
-        raise RecordError(f"{path.name}: is more than {MOST_BYTES >> 30} GiB unpacked; unpack it and give a part")
-
-
-def _inner(path: Path, name: str, data: bytes) -> Text | FileArrays:
+def _inner(path: Path, name: str, data: bytes | bytearray) -> Text | FileArrays:
     """The content of a packed file."""
     with tempfile.TemporaryDirectory() as folder:
         inner = Path(folder) / (name or path.name)
