@@ -12,11 +12,13 @@ from hysgen.float32.coefficients import coefficients
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import load_model
+from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay, DelayMirror
 from hysgen.model.path.modes import Modes
+from hysgen.model.structs import Status
 
 F32 = NDArray[np.float32]
 TS_S = 2e-5
@@ -168,3 +170,34 @@ def test_a_mode_without_stable_inverse_is_omitted_from_the_inverse_only() -> Non
     # 2 zeta w/w0 of the mode at a 7th of its frequency, of 0.3 um; nothing once the mode has come to rest.
     assert 1e-3 < moving < 0.3 * (2 * 0.05 * 0.14 + 0.14**2) * 1.5
     assert abs(float(w[-1] - wanted[-1])) < TOLERANCE_UM
+
+
+@pytest.mark.parametrize(("share", "samples"), [(0.2, 1200), pytest.param(0.7, 2500, marks=pytest.mark.slow)])
+def test_after_limited_samples_the_inverse_of_a_strong_mode_comes_back(share: float, samples: int) -> None:
+    """A step of the reference, lanes of two slews; from the model's own y, and from the y that was asked for last."""
+    keep, start = np.exp(-TS_S / 3e-4), np.full(2, 50.0, np.float32)
+    model = Model(
+        "strong",
+        TS_S,
+        Grid(-40.0, 140.0, 4),
+        np.tile([keep, 1.0 - keep, 0.0], (4, 1)),
+        -20.0,
+        120.0,
+        blocks=(Modes((1000.0, 3500.0), (0.01, 0.02), (share, 0.05), 3e-4),),
+    )
+    for own in (True, False):
+        inverse, stage = (Instance(model, start, start) for _ in range(2))
+        inverse.limits(start - 70.0, start + 70.0, np.float32([2.0, 5.0]))
+        asked, flags, errors, speeds = start, [], [], []
+        for k in range(samples):
+            reference = np.full(2, 50.0 if k < 10 else 70.0, np.float32)
+            last_V, inverse.status = inverse.u_V, np.zeros(2, np.uint32)
+            errors.append(stage.simulate(inverse.inverse(inverse.y_um if own else asked, reference)) - reference)
+            asked = reference
+            flags.append(inverse.status)
+            speeds.append(np.abs(inverse.u_V - last_V))
+        assert (np.array(flags)[10] == Status.UNREACHABLE | Status.U_CLAMPED).all()
+        assert np.abs(errors[:10]).max() < 1e-4
+        assert np.abs(errors[-100:]).max() < 0.01
+        assert (np.abs(inverse.y_um - stage.y_um) < 0.01).all()
+        assert np.array(speeds).max() < 5.0001

@@ -27,6 +27,7 @@ from hysgen.model.disturbances import Term, channels_of
 from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
+from hysgen.model.path.modes import straying
 from hysgen.model.structs import COUNTERS, MEANINGS, Status, Struct
 
 HOOK: Final = "//hook "
@@ -251,6 +252,8 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
     blocks = block_texts(model)
     responses = [block for block in blocks if block.responds]
     late = next((block for block in blocks if block.block.interpolates), None)
+    mode = straying(model.blocks, model.Ts_s)
+    strays = next((block for block in blocks if block.block is mode), None)
     return {
         "name": model.name,
         "NAME": model.name.upper(),
@@ -279,6 +282,9 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "responses": responses,
         "omitted": next((block.kind for block in responses if not block.solves), ""),
         "delay": late,
+        "strays": strays.kind if strays else "",
+        "stray": strays,
+        "stray_modes": len(mode.f_Hz) if mode else 0,
         "ahead": late is not None and bool(responses),
         "w_min": f"{model.name.upper()}_{'W_MIN' if responses else 'U_MIN_V'}",
         "w_max": f"{model.name.upper()}_{'W_MAX' if responses else 'U_MAX_V'}",

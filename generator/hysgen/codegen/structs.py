@@ -20,6 +20,7 @@ from hysgen.model.disturbances import Term, channels_of
 from hysgen.model.file import parse_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.path.modes import astray_members, straying
 from hysgen.model.structs import INPUT_UNIT, Axis, Member, Quantity, Struct
 
 
@@ -93,7 +94,11 @@ def inputs_struct(model: Model) -> Struct:
     members = [
         Member(block.kind, part_struct(model, block), f"state of the block `{block.kind}`") for block in stateful
     ]
-    return Struct(f"{model.name}_inputs_t", (Member("v_V", "float", "last input of the stage", unit="V"), *members))
+    mode = straying(model.blocks, model.Ts_s)
+    units = {INPUT_UNIT: _input_unit(model, mode)} if mode else {}
+    astray = [replace(member, unit=units.get(member.unit, member.unit)) for member in astray_members(mode)]
+    last = Member("v_V", "float", "last input of the stage", unit="V")
+    return Struct(f"{model.name}_inputs_t", (last, *astray, *members))
 
 
 def terms_struct(model: Model) -> Struct:

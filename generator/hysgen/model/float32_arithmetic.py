@@ -132,5 +132,14 @@ def accumulate(high: Floats32, low: Floats32, delta: Floats32) -> tuple[Floats32
     step = (delta + FLOOR) - FLOOR
     t = low + step
     total = high + t
-    magnitude = np.ascontiguousarray(total).view(np.uint32) & _MAGNITUDE
-    return np.where(magnitude < LIMIT.view(np.uint32), total, np.float32(0.0)), t - (total - high)
+    return _inside(total), t - (total - high)
+
+
+def inside(x: Floats32) -> Floats32:
+    """x, or 0 where |x| >= LIMIT or it is not finite; flushed."""
+    return flushed(_inside(x))
+
+
+def _inside(x: Floats32) -> Floats32:
+    magnitude = np.ascontiguousarray(x).view(np.uint32) & _MAGNITUDE
+    return np.where(magnitude < LIMIT.view(np.uint32), x, np.float32(0.0))

@@ -749,9 +749,9 @@ DIAGNOSED_INLINE float diagnosed_creep_solve(const diagnosed_creep_t *self, floa
 
 
 /* sum_j q_j (Re M_j position_j - Im M_j velocity_j) */
-DIAGNOSED_INLINE float diagnosed_modes_moving(const diagnosed_modes_t *self)
+DIAGNOSED_INLINE float diagnosed_modes_moving(const float position[1], const float velocity[1])
 {
-    float sum = diagnosed_modes_of_position[0] * self->position[0] + diagnosed_modes_of_velocity[0] * self->velocity[0];
+    float sum = diagnosed_modes_of_position[0] * position[0] + diagnosed_modes_of_velocity[0] * velocity[0];
 
     return sum;
 }
@@ -765,13 +765,13 @@ static float diagnosed_modes_init(diagnosed_modes_t *self, float x)
         self->velocity[j] = 0.0f;
         self->velocity_low[j] = 0.0f;
     }
-    return diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self);
+    return diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self->position, self->velocity);
 }
 
 /* w = direct x + the share of the modes;   c = c + s (x - c),  c = position + i velocity */
 DIAGNOSED_INLINE float diagnosed_modes_apply(diagnosed_modes_t *self, float x)
 {
-    const float w = diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self);
+    const float w = diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self->position, self->velocity);
     const float position0 = self->position[0];
     const float velocity0 = self->velocity[0];
     const float away0 = x - position0;
@@ -788,7 +788,7 @@ DIAGNOSED_INLINE float diagnosed_modes_apply(diagnosed_modes_t *self, float x)
 /* The same, with the state behind it in `next`. */
 DIAGNOSED_INLINE float diagnosed_modes_ahead(const diagnosed_modes_t *self, diagnosed_modes_t *next, float x)
 {
-    const float w = diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self);
+    const float w = diagnosed_modes_direct[0] * x + diagnosed_modes_moving(self->position, self->velocity);
     const float position0 = self->position[0];
     const float velocity0 = self->velocity[0];
     const float away0 = x - position0;
@@ -805,9 +805,41 @@ DIAGNOSED_INLINE float diagnosed_modes_ahead(const diagnosed_modes_t *self, diag
 /* x = (w - the share of the modes) / direct */
 DIAGNOSED_INLINE float diagnosed_modes_solve(const diagnosed_modes_t *self, float wanted)
 {
-    return (wanted - diagnosed_modes_moving(self)) * diagnosed_modes_per_direct[0];
+    return (wanted - diagnosed_modes_moving(self->position, self->velocity)) * diagnosed_modes_per_direct[0];
 }
 
+/* Input against the velocities that limits left. */
+DIAGNOSED_INLINE float diagnosed_modes_calming(const diagnosed_inputs_t *inputs)
+{
+    float sum = inputs->astray_velocity[0];
+
+    return sum * diagnosed_modes_calm[0];
+}
+
+/* What limits left, behind the input x that they add. */
+DIAGNOSED_INLINE void diagnosed_modes_stray(diagnosed_inputs_t *inputs, float x)
+{
+    const float position0 = inputs->astray_position[0];
+    const float velocity0 = inputs->astray_velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = diagnosed_modes_real[0] * away0 + diagnosed_modes_imag[0] * velocity0;
+    const float turn0 = diagnosed_modes_imag[0] * away0 - diagnosed_modes_real[0] * velocity0;
+
+    inputs->astray_position[0] = diagnosed_flushed(diagnosed_inside(position0 + forward0, 1048576.0f));
+    inputs->astray_velocity[0] = diagnosed_flushed(diagnosed_inside(velocity0 + turn0, 1048576.0f));
+}
+
+
+/* No limit has acted, as far as the inverse knows. */
+DIAGNOSED_INLINE void diagnosed_inputs_straighten(diagnosed_inputs_t *inputs)
+{
+    inputs->asked_um = 0.0f;
+    inputs->astray_um = 0.0f;
+    for (uint32_t j = 0u; j < 1u; ++j) {
+        inputs->astray_position[j] = 0.0f;
+        inputs->astray_velocity[j] = 0.0f;
+    }
+}
 
 /* At rest under the command u; returns w at rest. */
 DIAGNOSED_CODE
@@ -817,6 +849,7 @@ static float diagnosed_inputs_init(diagnosed_inputs_t *inputs, float u)
 
     v = diagnosed_delay_init(&inputs->delay, v);
     inputs->v_V = v;
+    diagnosed_inputs_straighten(inputs);
     uint32_t outside;
 
     v = diagnosed_flushed(diagnosed_hysteresis_init(&inputs->hysteresis, v));
@@ -826,13 +859,14 @@ static float diagnosed_inputs_init(diagnosed_inputs_t *inputs, float u)
 }
 
 /* w of the voltage v that reaches the stage. */
-DIAGNOSED_INLINE float diagnosed_inputs_respond(diagnosed_hysteresis_t *hysteresis, diagnosed_creep_t *creep, diagnosed_modes_t *modes, float v)
+DIAGNOSED_INLINE float diagnosed_inputs_respond(diagnosed_hysteresis_t *hysteresis, diagnosed_creep_t *creep, diagnosed_modes_t *modes, float v, float *entered)
 {
     uint32_t outside;
     float w = v;
 
     w = diagnosed_flushed(diagnosed_hysteresis_apply(hysteresis, w));
     w = diagnosed_flushed(diagnosed_creep_apply(creep, w));
+    *entered = w;
     w = diagnosed_flushed(diagnosed_modes_apply(modes, w));
     return diagnosed_limited(w, DIAGNOSED_W_MIN, DIAGNOSED_W_MAX, &outside);
 }
@@ -841,10 +875,12 @@ DIAGNOSED_INLINE float diagnosed_inputs_respond(diagnosed_hysteresis_t *hysteres
 DIAGNOSED_INLINE float diagnosed_inputs_apply(diagnosed_inputs_t *inputs, float u)
 {
     float v = u;
+    float entered;
 
     v = diagnosed_delay_apply(&inputs->delay, v);
     inputs->v_V = v;
-    return diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
+    diagnosed_inputs_straighten(inputs);
+    return diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v, &entered);
 }
 
 /** What the inverse of the path finds besides the command. */
@@ -853,6 +889,7 @@ typedef struct {
     uint32_t u_clamped;    /**< 1 if the voltage was outside the span. */
     uint32_t unreachable;  /**< 1 if a limit keeps the input of the rules from the wanted one. */
     uint32_t residual;     /**< 1 if the input of the rules is not the wanted one although no limit acted. */
+    float astray;          /**< What limits, of this sample and before, add to the input of the rules. */
 } diagnosed_found_t;
 
 /* The command for which w is the input of the rules, 1 samples later;
@@ -867,13 +904,20 @@ static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagno
     uint32_t beyond;
     const float wanted = diagnosed_limited(w, DIAGNOSED_W_MIN, DIAGNOSED_W_MAX, &beyond);
     float solved = wanted;
+    const float led = diagnosed_flushed(diagnosed_modes_moving(inputs->astray_position, inputs->astray_velocity));
+    const float calm = diagnosed_modes_calming(inputs);
+    float entered;
+    float later;
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
 float w_ahead = diagnosed_flushed(diagnosed_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
 w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahead));
 (void)diagnosed_modes_ahead(&inputs->modes, &modes, w_ahead);
-    solved = diagnosed_flushed(diagnosed_modes_solve(&modes, solved));
+    solved = diagnosed_flushed(diagnosed_modes_solve(&modes, solved + led));
+    const float asked = solved;
+
+    solved = solved + calm;
     solved = diagnosed_flushed(diagnosed_creep_solve(&creep, solved));
     solved = diagnosed_flushed(diagnosed_hysteresis_solve(&hysteresis, solved));
     const float allowed = diagnosed_allowed(solved, span, &found->u_clamped);
@@ -883,10 +927,10 @@ w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahea
 
     u = diagnosed_delay_command(&inputs->delay, u);
     inputs->v_V = v;
-    found->w = diagnosed_inputs_respond(&hysteresis, &creep, &modes, v);
+    found->w = diagnosed_inputs_respond(&hysteresis, &creep, &modes, v, &entered);
     const float arrived = diagnosed_delay_arrived(&inputs->delay);
 
-    (void)diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, arrived);
+    (void)diagnosed_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, arrived, &later);
 
     const float less = found->w - wanted;
     const float more = wanted - found->w;
@@ -894,8 +938,13 @@ w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahea
     const uint32_t at_end = (uint32_t)(v <= span.low) | (uint32_t)(v >= span.high);
     const uint32_t held = beyond | found->u_clamped | (uint32_t)(diagnosed_bits(v) != diagnosed_bits(allowed));
 
-    found->unreachable = held | (missed & at_end);
-    found->residual = missed & ~(held | at_end) & 1u;
+    const uint32_t excused = at_end | (uint32_t)(diagnosed_bits(led) != 0u);
+    const float off = (held != 0u) ? (entered - asked) : calm;
+
+    found->astray = diagnosed_flushed((diagnosed_modes_direct[0] * off + led) + (wanted - w));
+    diagnosed_modes_stray(inputs, off);
+    found->unreachable = held | (missed & excused);
+    found->residual = missed & ~(held | excused) & 1u;
     return u;
 }
 
@@ -1011,13 +1060,22 @@ float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um)
     const float finite = diagnosed_finite(y_next_um, y, &rejected);
     const float wanted = diagnosed_limited(finite, DIAGNOSED_REFERENCE_MIN_UM, DIAGNOSED_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;
-    const float numerator = wanted * sums.weight - base;
+    /* Where a limit led the model astray, it goes on from where it was asked to be. */
+    const float led_um = self->inputs.astray_um;
+    const float start_um = (diagnosed_bits(led_um) != 0u) ? self->inputs.asked_um : y;
+    const float numerator = wanted * sums.weight - (start_um * sums.slope + sums.offset);
     const float per_gain = diagnosed_reciprocal(sums.gain);
     const float per_weight = diagnosed_reciprocal(sums.weight);
     const float exact = diagnosed_flushed(numerator * per_gain);
     diagnosed_found_t found;
     const float u = diagnosed_inputs_invert(&self->inputs, exact, span, &found);
     const uint32_t unreachable = found.unreachable;
+    const float moved_um = (sums.slope * led_um + sums.gain * found.astray) * per_weight;
+
+    const float astray_um = diagnosed_flushed(diagnosed_inside(moved_um, 1048576.0f));
+
+    self->inputs.astray_um = astray_um;
+    self->inputs.asked_um = (diagnosed_bits(astray_um) != 0u) ? wanted : 0.0f;
 
     self->status |= (clamped * DIAGNOSED_STATUS_REFERENCE_CLAMPED) | (unreachable * DIAGNOSED_STATUS_UNREACHABLE);
     self->status |= found.residual * DIAGNOSED_STATUS_INVERSE_RESIDUAL;

@@ -30,8 +30,8 @@ extern "C" {
 
 #define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define DIAGNOSED_ALGORITHM "ffc9005083ab7df938dc8db9adba92d3e4eca010bdf36bf3f714d37a00d09009"
-#define DIAGNOSED_ALGORITHM_WORD 0xffc90050u  /**< its first 32 bits */
+#define DIAGNOSED_ALGORITHM "ba3153bcc1da7a1587095abd35ddbd48682ea3ab726e9a68e87e9682a6193cb4"
+#define DIAGNOSED_ALGORITHM_WORD 0xba3153bcu  /**< its first 32 bits */
 
 #define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -87,6 +87,10 @@ typedef struct {
 /** What the input passes through before it reaches the stage. */
 typedef struct {
     float v_V;                          /**< Last input of the stage [V]. */
+    float asked_um;                     /**< Displacement that the inverse was asked for last [um]. */
+    float astray_um;                    /**< What limits of the inverse add to the displacement [um]. */
+    float astray_position[1];           /**< What they add to the position of each mode [um]. */
+    float astray_velocity[1];           /**< And to its velocity [um]. */
     diagnosed_delay_t delay;            /**< State of the block `delay`. */
     diagnosed_hysteresis_t hysteresis;  /**< State of the block `hysteresis`. */
     diagnosed_creep_t creep;            /**< State of the block `creep`. */
@@ -100,7 +104,7 @@ typedef struct {
     float gain[DIAGNOSED_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/um]. */
 } diagnosed_bank_t;
 
-/** One instance of the model, 384 bytes. */
+/** One instance of the model, 400 bytes. */
 typedef struct {
     uint32_t active;            /**< Index of the active bank, 0 or 1. */
     float y_um;                 /**< Last output of the model [um], from which a free run continues. */
@@ -136,8 +140,8 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V);
  *
  * Error over these ranges, behind the same path: at most DIAGNOSED_PREDICT_BOUND_UM, proved against real arithmetic;
  * the largest found against float64 is DIAGNOSED_PREDICT_FOUND_UM.
- * 176 float +-, 111 float *, 33 float comparisons, 176 integer, 147 loads, 54 stores, 3 branches.
- * C674x: about 643 cycles (estimate). */
+ * 176 float +-, 111 float *, 33 float comparisons, 179 integer, 147 loads, 58 stores, 5 branches.
+ * C674x: about 688 cycles (estimate). */
 float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
 
 /** One step of the free run: as diagnosed_predict, from the last output instead of a measured displacement.
@@ -149,8 +153,8 @@ float diagnosed_predict(diagnosed_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in diagnosed_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 176 float +-, 111 float *, 33 float comparisons, 166 integer, 147 loads, 54 stores, 3 branches.
- * C674x: about 635 cycles (estimate). */
+ * 176 float +-, 111 float *, 33 float comparisons, 169 integer, 147 loads, 58 stores, 5 branches.
+ * C674x: about 680 cycles (estimate). */
 float diagnosed_simulate(diagnosed_t *self, float u_V);
 
 /** Narrow the voltages that diagnosed_inverse puts out, until the next diagnosed_init: the limits of an amplifier, or of
@@ -178,8 +182,8 @@ void diagnosed_limits(diagnosed_t *self, float low_V, float high_V, float step_V
  *
  * Where no limit acts, y(k+1) was found to be missed by up to DIAGNOSED_INVERSE_FOUND_UM; where the path is
  * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
- * 590 float +-, 376 float *, 155 float comparisons, 577 integer, 412 loads, 56 stores, 10 branches.
- * C674x: about 1884 cycles (estimate). */
+ * 604 float +-, 388 float *, 155 float comparisons, 615 integer, 427 loads, 60 stores, 12 branches.
+ * C674x: about 1987 cycles (estimate). */
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);
 
 #define DIAGNOSED_LEARNED 18u  /**< parameters that are learned */
@@ -293,8 +297,8 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model);
  * @param y_um  displacement y(k) [um]; not learnt from if it is not finite or far outside the identified range
  * @param u_V   input u(k) [V], limited as in diagnosed_predict
  *
- * 1314 float +-, 948 float *, 87 float comparisons, 4485 integer, 1108 loads, 625 stores, 1021 branches.
- * C674x: about 4075 cycles (estimate). */
+ * 1314 float +-, 948 float *, 87 float comparisons, 4488 integer, 1108 loads, 629 stores, 1023 branches.
+ * C674x: about 4079 cycles (estimate). */
 void diagnosed_learn(diagnosed_learner_t *self, float y_um, float u_V);
 
 /** Make the shadow active if its certificates hold, in many calls: one copies the shadow; each of the next ones examines
@@ -318,11 +322,11 @@ typedef char diagnosed_delay_t_size[(sizeof(diagnosed_delay_t) == 16u) ? 1 : -1]
 typedef char diagnosed_hysteresis_t_size[(sizeof(diagnosed_hysteresis_t) == 128u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_creep_t_size[(sizeof(diagnosed_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_modes_t_size[(sizeof(diagnosed_modes_t) == 16u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_inputs_t_size[(sizeof(diagnosed_inputs_t) == 196u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_inputs_t_size[(sizeof(diagnosed_inputs_t) == 212u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_bank_t_size[(sizeof(diagnosed_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 384u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_t_size[(sizeof(diagnosed_t) == 400u) ? 1 : -1];  /**< static assertion */
 typedef char diagnosed_candidate_t_size[(sizeof(diagnosed_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
-typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1832u) ? 1 : -1];  /**< static assertion */
+typedef char diagnosed_learner_t_size[(sizeof(diagnosed_learner_t) == 1848u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

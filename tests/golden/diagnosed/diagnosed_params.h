@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define DIAGNOSED_NUMBERS_DIGEST "8b85a521fffb3c9213f4561fc4e0561bc1433564186632cdc43080978d85752a"
-#define DIAGNOSED_NUMBERS_WORD 0x8b85a521u
+#define DIAGNOSED_NUMBERS_DIGEST "c5a1928ffcf1fbc445c92a5fa37cbc234a909b2d77b23bb3c5dcbd58612b3406"
+#define DIAGNOSED_NUMBERS_WORD 0xc5a1928fu
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define DIAGNOSED_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -160,6 +160,11 @@ static const float diagnosed_modes_direct[1] = {
 DIAGNOSED_TABLE
 static const float diagnosed_modes_per_direct[1] = {
     1.42770481f,
+};
+
+DIAGNOSED_TABLE
+static const float diagnosed_modes_calm[1] = {
+    -1.0f,
 };
 
 /* Learner: plausible displacements, rest, levels of the innovation and how fast they follow. */

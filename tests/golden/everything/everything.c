@@ -729,9 +729,9 @@ EVERYTHING_INLINE float everything_creep_solve(const everything_creep_t *self, f
 
 
 /* sum_j q_j (Re M_j position_j - Im M_j velocity_j) */
-EVERYTHING_INLINE float everything_modes_moving(const everything_modes_t *self)
+EVERYTHING_INLINE float everything_modes_moving(const float position[1], const float velocity[1])
 {
-    float sum = everything_modes_of_position[0] * self->position[0] + everything_modes_of_velocity[0] * self->velocity[0];
+    float sum = everything_modes_of_position[0] * position[0] + everything_modes_of_velocity[0] * velocity[0];
 
     return sum;
 }
@@ -745,13 +745,13 @@ static float everything_modes_init(everything_modes_t *self, float x)
         self->velocity[j] = 0.0f;
         self->velocity_low[j] = 0.0f;
     }
-    return everything_modes_direct[0] * x + everything_modes_moving(self);
+    return everything_modes_direct[0] * x + everything_modes_moving(self->position, self->velocity);
 }
 
 /* w = direct x + the share of the modes;   c = c + s (x - c),  c = position + i velocity */
 EVERYTHING_INLINE float everything_modes_apply(everything_modes_t *self, float x)
 {
-    const float w = everything_modes_direct[0] * x + everything_modes_moving(self);
+    const float w = everything_modes_direct[0] * x + everything_modes_moving(self->position, self->velocity);
     const float position0 = self->position[0];
     const float velocity0 = self->velocity[0];
     const float away0 = x - position0;
@@ -768,7 +768,7 @@ EVERYTHING_INLINE float everything_modes_apply(everything_modes_t *self, float x
 /* The same, with the state behind it in `next`. */
 EVERYTHING_INLINE float everything_modes_ahead(const everything_modes_t *self, everything_modes_t *next, float x)
 {
-    const float w = everything_modes_direct[0] * x + everything_modes_moving(self);
+    const float w = everything_modes_direct[0] * x + everything_modes_moving(self->position, self->velocity);
     const float position0 = self->position[0];
     const float velocity0 = self->velocity[0];
     const float away0 = x - position0;
@@ -785,9 +785,41 @@ EVERYTHING_INLINE float everything_modes_ahead(const everything_modes_t *self, e
 /* x = (w - the share of the modes) / direct */
 EVERYTHING_INLINE float everything_modes_solve(const everything_modes_t *self, float wanted)
 {
-    return (wanted - everything_modes_moving(self)) * everything_modes_per_direct[0];
+    return (wanted - everything_modes_moving(self->position, self->velocity)) * everything_modes_per_direct[0];
 }
 
+/* Input against the velocities that limits left. */
+EVERYTHING_INLINE float everything_modes_calming(const everything_inputs_t *inputs)
+{
+    float sum = inputs->astray_velocity[0];
+
+    return sum * everything_modes_calm[0];
+}
+
+/* What limits left, behind the input x that they add. */
+EVERYTHING_INLINE void everything_modes_stray(everything_inputs_t *inputs, float x)
+{
+    const float position0 = inputs->astray_position[0];
+    const float velocity0 = inputs->astray_velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = everything_modes_real[0] * away0 + everything_modes_imag[0] * velocity0;
+    const float turn0 = everything_modes_imag[0] * away0 - everything_modes_real[0] * velocity0;
+
+    inputs->astray_position[0] = everything_flushed(everything_inside(position0 + forward0, 1048576.0f));
+    inputs->astray_velocity[0] = everything_flushed(everything_inside(velocity0 + turn0, 1048576.0f));
+}
+
+
+/* No limit has acted, as far as the inverse knows. */
+EVERYTHING_INLINE void everything_inputs_straighten(everything_inputs_t *inputs)
+{
+    inputs->asked_um = 0.0f;
+    inputs->astray_um = 0.0f;
+    for (uint32_t j = 0u; j < 1u; ++j) {
+        inputs->astray_position[j] = 0.0f;
+        inputs->astray_velocity[j] = 0.0f;
+    }
+}
 
 /* At rest under the command u; returns w at rest. */
 EVERYTHING_CODE
@@ -799,6 +831,7 @@ static float everything_inputs_init(everything_inputs_t *inputs, float u)
     v = everything_slew_init(&inputs->slew, v);
     v = everything_delay_init(&inputs->delay, v);
     inputs->v_V = v;
+    everything_inputs_straighten(inputs);
     uint32_t outside;
 
     v = everything_flushed(everything_hysteresis_init(&inputs->hysteresis, v));
@@ -808,13 +841,14 @@ static float everything_inputs_init(everything_inputs_t *inputs, float u)
 }
 
 /* w of the voltage v that reaches the stage. */
-EVERYTHING_INLINE float everything_inputs_respond(everything_hysteresis_t *hysteresis, everything_creep_t *creep, everything_modes_t *modes, float v)
+EVERYTHING_INLINE float everything_inputs_respond(everything_hysteresis_t *hysteresis, everything_creep_t *creep, everything_modes_t *modes, float v, float *entered)
 {
     uint32_t outside;
     float w = v;
 
     w = everything_flushed(everything_hysteresis_apply(hysteresis, w));
     w = everything_flushed(everything_creep_apply(creep, w));
+    *entered = w;
     w = everything_flushed(everything_modes_apply(modes, w));
     return everything_limited(w, EVERYTHING_W_MIN, EVERYTHING_W_MAX, &outside);
 }
@@ -823,12 +857,14 @@ EVERYTHING_INLINE float everything_inputs_respond(everything_hysteresis_t *hyste
 EVERYTHING_INLINE float everything_inputs_apply(everything_inputs_t *inputs, float u)
 {
     float v = u;
+    float entered;
 
     v = everything_saturation_apply(v);
     v = everything_slew_apply(&inputs->slew, v);
     v = everything_delay_apply(&inputs->delay, v);
     inputs->v_V = v;
-    return everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v);
+    everything_inputs_straighten(inputs);
+    return everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, v, &entered);
 }
 
 /** What the inverse of the path finds besides the command. */
@@ -837,6 +873,7 @@ typedef struct {
     uint32_t u_clamped;    /**< 1 if the voltage was outside the span. */
     uint32_t unreachable;  /**< 1 if a limit keeps the input of the rules from the wanted one. */
     uint32_t residual;     /**< 1 if the input of the rules is not the wanted one although no limit acted. */
+    float astray;          /**< What limits, of this sample and before, add to the input of the rules. */
 } everything_found_t;
 
 /* The command for which w is the input of the rules, 3 samples later;
@@ -851,13 +888,20 @@ static float everything_inputs_invert(everything_inputs_t *inputs, float w, ever
     uint32_t beyond;
     const float wanted = everything_limited(w, EVERYTHING_W_MIN, EVERYTHING_W_MAX, &beyond);
     float solved = wanted;
+    const float led = everything_flushed(everything_modes_moving(inputs->astray_position, inputs->astray_velocity));
+    const float calm = everything_modes_calming(inputs);
+    float entered;
+    float later;
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
 float w_ahead = everything_flushed(everything_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
 w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ahead));
 (void)everything_modes_ahead(&inputs->modes, &modes, w_ahead);
-    solved = everything_flushed(everything_modes_solve(&modes, solved));
+    solved = everything_flushed(everything_modes_solve(&modes, solved + led));
+    const float asked = solved;
+
+    solved = solved + calm;
     solved = everything_flushed(everything_creep_solve(&creep, solved));
     solved = everything_flushed(everything_hysteresis_solve(&hysteresis, solved));
     const float allowed = everything_allowed(solved, span, &found->u_clamped);
@@ -869,10 +913,10 @@ w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ah
 
     u = everything_delay_command(&inputs->delay, u);
     inputs->v_V = v;
-    found->w = everything_inputs_respond(&hysteresis, &creep, &modes, v);
+    found->w = everything_inputs_respond(&hysteresis, &creep, &modes, v, &entered);
     const float arrived = everything_delay_arrived(&inputs->delay);
 
-    (void)everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, arrived);
+    (void)everything_inputs_respond(&inputs->hysteresis, &inputs->creep, &inputs->modes, arrived, &later);
 
     const float less = found->w - wanted;
     const float more = wanted - found->w;
@@ -880,8 +924,13 @@ w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ah
     const uint32_t at_end = (uint32_t)(v <= span.low) | (uint32_t)(v >= span.high);
     const uint32_t held = beyond | found->u_clamped | (uint32_t)(everything_bits(v) != everything_bits(allowed));
 
-    found->unreachable = held | (missed & at_end);
-    found->residual = missed & ~(held | at_end) & 1u;
+    const uint32_t excused = at_end | (uint32_t)(everything_bits(led) != 0u);
+    const float off = (held != 0u) ? (entered - asked) : calm;
+
+    found->astray = everything_flushed((everything_modes_direct[0] * off + led) + (wanted - w));
+    everything_modes_stray(inputs, off);
+    found->unreachable = held | (missed & excused);
+    found->residual = missed & ~(held | excused) & 1u;
     return u;
 }
 
@@ -1203,13 +1252,22 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um)
     const float finite = everything_finite(y_next_um, y, &rejected);
     const float wanted = everything_limited(finite, EVERYTHING_REFERENCE_MIN_UM, EVERYTHING_REFERENCE_MAX_UM, &clamped);
     const float base = y * sums.slope + sums.offset;
-    const float numerator = (wanted - extra) * sums.weight - base;
+    /* Where a limit led the model astray, it goes on from where it was asked to be. */
+    const float led_um = self->inputs.astray_um;
+    const float start_um = (everything_bits(led_um) != 0u) ? self->inputs.asked_um : y;
+    const float numerator = (wanted - extra) * sums.weight - (start_um * sums.slope + sums.offset);
     const float per_gain = everything_reciprocal(sums.gain);
     const float per_weight = everything_reciprocal(sums.weight);
     const float exact = everything_flushed(numerator * per_gain);
     everything_found_t found;
     const float u = everything_inputs_invert(&self->inputs, exact, span, &found);
     const uint32_t unreachable = found.unreachable;
+    const float moved_um = (sums.slope * led_um + sums.gain * found.astray) * per_weight;
+
+    const float astray_um = everything_flushed(everything_inside(moved_um, 1048576.0f));
+
+    self->inputs.astray_um = astray_um;
+    self->inputs.asked_um = (everything_bits(astray_um) != 0u) ? wanted : 0.0f;
 
     self->status |= (clamped * EVERYTHING_STATUS_REFERENCE_CLAMPED) | (unreachable * EVERYTHING_STATUS_UNREACHABLE);
     self->status |= found.residual * EVERYTHING_STATUS_INVERSE_RESIDUAL;

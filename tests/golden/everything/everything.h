@@ -33,8 +33,8 @@ extern "C" {
 
 #define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EVERYTHING_ALGORITHM "d17aa652086a292408d62984fbe81787a4a799fb423068405bd3bbf293c39f02"
-#define EVERYTHING_ALGORITHM_WORD 0xd17aa652u  /**< its first 32 bits */
+#define EVERYTHING_ALGORITHM "cad0e41bb09dcd7033c5a5297cd1c0178adc2f8311a02396d3ade84c100acd9a"
+#define EVERYTHING_ALGORITHM_WORD 0xcad0e41bu  /**< its first 32 bits */
 
 #define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -97,6 +97,10 @@ typedef struct {
 /** What the input passes through before it reaches the stage. */
 typedef struct {
     float v_V;                           /**< Last input of the stage [V]. */
+    float asked_um;                      /**< Displacement that the inverse was asked for last [um]. */
+    float astray_um;                     /**< What limits of the inverse add to the displacement [um]. */
+    float astray_position[1];            /**< What they add to the position of each mode [um]. */
+    float astray_velocity[1];            /**< And to its velocity [um]. */
     everything_slew_t slew;              /**< State of the block `slew`. */
     everything_delay_t delay;            /**< State of the block `delay`. */
     everything_hysteresis_t hysteresis;  /**< State of the block `hysteresis`. */
@@ -136,7 +140,7 @@ typedef struct {
     float weight[EVERYTHING_WEIGHTS];     /**< Weights theta_j of the terms, in their order. */
 } everything_bank_t;
 
-/** One instance of the model, 412 bytes. */
+/** One instance of the model, 428 bytes. */
 typedef struct {
     uint32_t active;             /**< Index of the active bank, 0 or 1. */
     float y_um;                  /**< Last output of the model [um], from which a free run continues. */
@@ -172,8 +176,8 @@ void everything_init(everything_t *self, float y_um, float u_V);
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
  * Error over these ranges, behind the same path: the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM; no bound is proved.
- * 169 float +-, 109 float *, 27 float comparisons, 213 integer, 147 loads, 49 stores, 3 branches.
- * C674x: about 656 cycles (estimate). */
+ * 169 float +-, 109 float *, 27 float comparisons, 216 integer, 147 loads, 53 stores, 5 branches.
+ * C674x: about 701 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
 
 /** One step of the free run: as everything_predict, from the last output instead of a measured displacement.
@@ -185,8 +189,8 @@ float everything_predict(everything_t *self, float y_um, float u_V);
  * @param u_V   input u(k) [V], as in everything_predict
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * 161 float +-, 108 float *, 25 float comparisons, 188 integer, 140 loads, 46 stores, 3 branches.
- * C674x: about 621 cycles (estimate). */
+ * 161 float +-, 108 float *, 25 float comparisons, 191 integer, 140 loads, 50 stores, 5 branches.
+ * C674x: about 666 cycles (estimate). */
 float everything_simulate(everything_t *self, float u_V);
 
 /** Auxiliary channels of the coming sample, before the call that uses them:
@@ -222,8 +226,8 @@ void everything_limits(everything_t *self, float low_V, float high_V, float step
  *
  * Where no limit acts, y(k+1) was found to be missed by up to EVERYTHING_INVERSE_FOUND_UM; where the path is
  * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
- * 504 float +-, 331 float *, 105 float comparisons, 559 integer, 346 loads, 48 stores, 10 branches.
- * C674x: about 1680 cycles (estimate). */
+ * 518 float +-, 343 float *, 105 float comparisons, 597 integer, 361 loads, 52 stores, 12 branches.
+ * C674x: about 1782 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
 
 /* The compiler of the caller must lay the structs out as the compiler of everything.c: another size is an error here. */
@@ -233,13 +237,13 @@ typedef char everything_delay_t_size[(sizeof(everything_delay_t) == 24u) ? 1 : -
 typedef char everything_hysteresis_t_size[(sizeof(everything_hysteresis_t) == 80u) ? 1 : -1];  /**< static assertion */
 typedef char everything_creep_t_size[(sizeof(everything_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
 typedef char everything_modes_t_size[(sizeof(everything_modes_t) == 16u) ? 1 : -1];  /**< static assertion */
-typedef char everything_inputs_t_size[(sizeof(everything_inputs_t) == 160u) ? 1 : -1];  /**< static assertion */
+typedef char everything_inputs_t_size[(sizeof(everything_inputs_t) == 176u) ? 1 : -1];  /**< static assertion */
 typedef char everything_periodic_t_size[(sizeof(everything_periodic_t) == 8u) ? 1 : -1];  /**< static assertion */
 typedef char everything_coupling_t_size[(sizeof(everything_coupling_t) == 8u) ? 1 : -1];  /**< static assertion */
 typedef char everything_drift_t_size[(sizeof(everything_drift_t) == 8u) ? 1 : -1];  /**< static assertion */
 typedef char everything_terms_t_size[(sizeof(everything_terms_t) == 24u) ? 1 : -1];  /**< static assertion */
 typedef char everything_bank_t_size[(sizeof(everything_bank_t) == 92u) ? 1 : -1];  /**< static assertion */
-typedef char everything_t_size[(sizeof(everything_t) == 412u) ? 1 : -1];  /**< static assertion */
+typedef char everything_t_size[(sizeof(everything_t) == 428u) ? 1 : -1];  /**< static assertion */
 
 #ifdef __cplusplus
 }

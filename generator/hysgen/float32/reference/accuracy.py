@@ -93,7 +93,8 @@ def _path_errors(model: Model, seed: int, inverse: bool) -> tuple[float, float]:
         if inverse:
             found = backward.invert(w[:, sample])
             missed = np.abs(found.w - w[:, sample].astype(np.float64))
-            residual = max(residual, float(np.where(found.unreachable, 0.0, missed).max()))
+            limited = found.unreachable | (found.astray != 0.0)
+            residual = max(residual, float(np.where(limited, 0.0, missed).max()))
     exact = [applied(model.blocks, lane.astype(np.float64), model.Ts_s, model.w_range) for lane in u]
     return float(np.abs(w - np.array(exact)).max()), residual
 

@@ -28,6 +28,7 @@ from hysgen.model.float32_arithmetic import (
     bits_of,
     float_of,
     flushed,
+    inside,
     power_of_two,
     reciprocal,
 )
@@ -225,7 +226,13 @@ class Instance(InstanceWords):
         self._count_event(Status.REFERENCE_CLAMPED, cut)
         sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
-        found = self.inputs.invert(flushed(wanted_input(sums, y, wanted)), self._allowed())
+        # Where a limit led the model astray, it goes on from where it was asked to be.
+        led_um = self.inputs.astray_um
+        start = np.where(bits_of(led_um) != 0, self.inputs.asked_um, y)
+        found = self.inputs.invert(flushed(wanted_input(sums, start, wanted)), self._allowed())
+        moved = (sums.slope * led_um + sums.gain * found.astray) * reciprocal(sums.weight)
+        self.inputs.astray_um = inside(moved)
+        self.inputs.asked_um = np.where(bits_of(self.inputs.astray_um) != 0, reference, np.float32(0.0))
         self.u_V = found.u_V
         self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
         self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from hysgen.errors import ModelError
 from hysgen.machine.kernels.operators import mode_states
 from hysgen.machine.reproducible import exp, expm1, sine, spectral_radius
-from hysgen.model.float32_arithmetic import KEPT, accumulate
+from hysgen.model.float32_arithmetic import KEPT, accumulate, inside
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.part import Extent, Mode, RunSignals, ShapeParameter
 from hysgen.model.path.base import BlockBox, BlockMirror, Floats, Floats32, InputBlock, StateSpace, singles
@@ -54,8 +54,12 @@ EARLY = ShapeParameter("early_s", "s", lambda e: (1e-3 * e.Ts_s, e.Ts_s), step=l
 DECAYED, MOST_IMPULSE = 1e-4, 1_000_000
 """Rest of an impulse response at which the sum of its magnitudes ends, and the most samples of it."""
 
+LEAST_CALM = 1e-3
+"""Share of its velocity below which a mode that a limit left ringing is left to its own damping."""
+
 LEAST_DIRECT = 1e-3
-"""Share of x(k) in w(k) below which the inverse would amplify rounding errors of w a thousandfold."""
+"""Share of x(k) in w(k), and of an x that alternates from sample to sample, below which the inverse would amplify
+rounding errors of w a thousandfold: then a zero lies near -1, where sampling has put it, and rings for as long."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,7 @@ class Modes(InputBlock):
         "of_velocity": Quantity("weight of each velocity in the output"),
         "direct": Quantity("output per change of the input in the same sample"),
         "per_direct": Quantity("1 / direct"),
+        "calm": Quantity("input per velocity that a limit has left in a mode"),
     }
     place: ClassVar[int] = 50
     limits: ClassVar[bool] = False
@@ -257,7 +262,9 @@ class Modes(InputBlock):
         return A, B, C, self.direct(Ts_s)
 
     def solves(self, Ts_s: float) -> bool:
-        return abs(self.direct(Ts_s)) >= LEAST_DIRECT and self.zero(Ts_s) < 1.0
+        A, B, C, direct = self.state_space(Ts_s)
+        alternating = direct - float(C @ np.linalg.solve(np.eye(B.size) + A, B))
+        return min(abs(direct), abs(alternating)) >= LEAST_DIRECT and self.zero(Ts_s) < 1.0
 
     def box(self, u_V: Interval, Ts_s: float) -> BlockBox:
         """Each of the four words of a mode stays below LIMIT of `float32_arithmetic`, in the unit of x, and with them
@@ -298,7 +305,7 @@ class Modes(InputBlock):
         return ModesMirror(self, self.constants(Ts_s), u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        """Parts of s, shares q Re M and -q Im M, direct and, if the inverse is stable, 1/direct.
+        """Parts of s, shares q Re M and -q Im M, direct and, if the inverse is stable, 1/direct and -calm.
 
         Raises ModelError if a pole, rounded to float32, would not decay.
         """
@@ -309,7 +316,9 @@ class Modes(InputBlock):
             raise ModelError("modes: a mode this slow and light does not decay in float32; raise its damping")
         of_position, of_velocity = self.weights(Ts_s)
         direct = self.direct(Ts_s)
-        inverse = {"per_direct": singles(np.array([1.0 / direct]))} if self.solves(Ts_s) else {}
+        inverse = {}
+        if self.solves(Ts_s):
+            inverse = {"per_direct": singles(np.array([1.0 / direct])), "calm": singles(np.array([-_calm(self, Ts_s)]))}
         return {
             "real": real,
             "imag": imag,
@@ -332,6 +341,34 @@ class Modes(InputBlock):
 
 
 @functools.lru_cache(maxsize=64)
+def _calm(block: Modes, Ts_s: float) -> float:
+    """The largest of 1, 1/2, 1/4, .. of the velocities that, taken off the input, makes the modes decay sooner."""
+    A, B, _, _ = block.state_space(Ts_s)
+    share, against = 1.0, np.outer(B, np.tile([0.0, 1.0], len(block.f_Hz)))
+    while share > LEAST_CALM and spectral_radius(A - share * against) > spectral_radius(A):
+        share *= 0.5
+    return share if share > LEAST_CALM else 0.0
+
+
+def straying(blocks: Sequence[InputBlock], Ts_s: float) -> Modes | None:
+    """The first modes that the inverse solves: what a limit leaves in them is kept (`chain`)."""
+    return next((block for block in blocks if isinstance(block, Modes) and block.solves(Ts_s)), None)
+
+
+def astray_members(block: Modes | None) -> tuple[Member, ...]:
+    """What the struct of the inputs keeps of limits, with the modes of `block`."""
+    if block is None:
+        return ()
+    modes = (len(block.f_Hz),)
+    return (
+        Member("asked_um", "float", "displacement that the inverse was asked for last", unit="um"),
+        Member("astray_um", "float", "what limits of the inverse add to the displacement", unit="um"),
+        Member("astray_position", "float", "what they add to the position of each mode", modes, unit=INPUT_UNIT),
+        Member("astray_velocity", "float", "and to its velocity", modes, unit=INPUT_UNIT),
+    )
+
+
+@functools.lru_cache(maxsize=64)
 def _zero(block: Modes, Ts_s: float) -> float:
     A, B, C, direct = block.state_space(Ts_s)
     return float("inf") if direct == 0.0 else spectral_radius(A - B[:, None] * (C / direct))
@@ -344,18 +381,19 @@ class ModesMirror(BlockMirror):
         self.members = block.members()
         self._steps = list(zip(constants["real"], constants["imag"], strict=True))
         self._outputs = list(zip(constants["of_position"], constants["of_velocity"], strict=True))
-        self._direct, self._rest = constants["direct"][0], u_V
+        self.direct, self._rest = constants["direct"][0], u_V
         self._per_direct = constants["per_direct"][0] if "per_direct" in constants else None
+        self._calm = constants.get("calm", singles(np.zeros(1)))
         self.position: list[Floats32] = [u_V.copy() for _ in self._steps]
         self.velocity: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
         self.position_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
         self.velocity_low: list[Floats32] = [np.zeros_like(u_V) for _ in self._steps]
 
     def rest(self) -> Floats32:
-        return np.asarray(self._direct * self._rest + self._moving())
+        return np.asarray(self.direct * self._rest + self.moving(self.position, self.velocity))
 
     def apply(self, u_V: Floats32) -> Floats32:
-        w = np.asarray(self._direct * u_V + self._moving())
+        w = np.asarray(self.direct * u_V + self.moving(self.position, self.velocity))
         for j, (real, imag) in enumerate(self._steps):
             position, velocity = self.position[j], self.velocity[j]
             away = u_V - position
@@ -365,14 +403,31 @@ class ModesMirror(BlockMirror):
         return w
 
     def solve(self, wanted: Floats32) -> Floats32:
-        return wanted if self._per_direct is None else (wanted - self._moving()) * self._per_direct
+        if self._per_direct is None:
+            return wanted
+        return np.asarray((wanted - self.moving(self.position, self.velocity)) * self._per_direct)
 
-    def _moving(self) -> Floats32:
+    def moved(
+        self, position: Sequence[Floats32], velocity: Sequence[Floats32], x: Floats32
+    ) -> tuple[list[Floats32], list[Floats32]]:
+        """Positions and velocities behind the input x, in one word each; beyond LIMIT they start again at 0."""
+        moved = []
+        for (real, imag), at, speed in zip(self._steps, position, velocity, strict=True):
+            away = x - at
+            moved.append((inside(at + (real * away + imag * speed)), inside(speed + (imag * away - real * speed))))
+        return [at for at, _ in moved], [speed for _, speed in moved]
+
+    def calming(self, velocity: Sequence[Floats32]) -> Floats32:
+        """Input against the velocities, (lanes,)."""
+        total = velocity[0]
+        for further in velocity[1:]:
+            total = total + further
+        return np.asarray(total * self._calm[0])
+
+    def moving(self, positions: Sequence[Floats32], velocities: Sequence[Floats32]) -> Floats32:
         """sum_j q_j (Re M_j position_j - Im M_j velocity_j)."""
         total: Floats32 | None = None
-        for (of_position, of_velocity), position, velocity in zip(
-            self._outputs, self.position, self.velocity, strict=True
-        ):
+        for (of_position, of_velocity), position, velocity in zip(self._outputs, positions, velocities, strict=True):
             mode = of_position * position + of_velocity * velocity
             total = mode if total is None else total + mode
         assert total is not None

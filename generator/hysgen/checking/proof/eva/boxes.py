@@ -35,6 +35,7 @@ from hysgen.model import disturbances
 from hysgen.model.float32_arithmetic import LIMIT
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.model import Model
+from hysgen.model.path.modes import astray_members, straying
 
 WIDENED: Final = 0.75
 """Part of its width by which the interval of a sum over the rules is widened at either end."""
@@ -92,6 +93,11 @@ def parts_box(model: Model) -> PartsBox:
         if not block.responds:
             floats["inputs.v_V"] = applied
             command = command.hull(passed.solved)
+    mode = straying(model.blocks, model.Ts_s)
+    if mode is not None:
+        floats |= dict.fromkeys((f"inputs.{w.path}" for m in astray_members(mode) for w in m.words()), symmetric(KEPT))
+        asked = Interval(float(numbers.reference_min_um), float(numbers.reference_max_um))
+        floats["inputs.asked_um"] = asked.hull(Interval(0.0, 0.0))
     if model.responds:
         floats.setdefault("inputs.v_V", command)
         applied = Interval(float(numbers.w_min), float(numbers.w_max))
