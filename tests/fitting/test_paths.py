@@ -23,6 +23,7 @@ from hysgen.fitting.refit import refit
 from hysgen.model.file import dump_model, parse_model
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.model.path.limits import Slew
 from hysgen.model.scores import score
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
@@ -192,3 +193,20 @@ def test_a_record_at_another_rate_is_refused(records: tuple[Record, Record]) -> 
     with pytest.raises(ModelError, match="record at the model's rate"):
         refit(old, half)
     assert np.isfinite(old.parameters).all()
+
+
+def test_a_command_that_the_amplifier_does_not_follow_covers_no_range_and_hides_no_rows() -> None:
+    rise_V = 0.5  # a sample
+    slow_V = np.interp(np.arange(3000), [0, 400, 900, 1500, 2200, 3000], [50.0, 90.0, 5.0, 80.0, 30.0, 50.0])
+    fast_V = 50.0 + np.linspace(10.0, 50.0, 6000) * np.sin(np.arange(6000) * 2.0 * np.pi / 40.0)
+    u_V = np.concatenate([slow_V, fast_V])
+    stage = Stage.nominal().with_effects(slew=rise_V / TS_S)
+    record = Record.from_arrays(u_V, run(stage, u_V, TS_S, seed=1).displacement_um, TS_S)
+    slew = Slew(rise_V / TS_S, rise_V / TS_S)
+    first = [int(np.flatnonzero(known_past(record, blocks=blocks)[0])[0]) for blocks in ((), (slew,))]
+    assert first[0] > 2500, "the command covers its range where the amplifier stands still"
+    assert first[1] < 1000
+    error_um = (
+        free_run(fit(record, FitSettings(memory=PathSize(), blocks=(slew,))), record)[0].y_um - record.segments[0].y_um
+    )
+    assert np.sqrt(np.mean(error_um[1000:3000] ** 2)) < 0.005 * float(np.ptp(record.segments[0].y_um))

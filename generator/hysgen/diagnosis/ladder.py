@@ -110,7 +110,7 @@ def fit_ladder(
     weights = _by_segment(trust, [s.samples for s in part.segments])
     if any(extension.on_path for extension in chosen):
         problem = _path_problem(prepared, chosen, extended, level)
-        weights = known_past(part, weights)
+        weights = known_past(part, weights, extended.blocks)
         if skip is None:
             return _rung(names, fit_path(problem, extended, weights), level)
         # A cross-validation compares paths: the rules behind them stay one lag, and the record's own past is known.
@@ -138,7 +138,7 @@ def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: Fit
     task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
     content = (settings.rising, *(extension.content for extension in chosen))
     trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
-    return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust)))
+    return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust, settings.blocks)))
 
 
 def _rung(names: Sequence[str], model: Model, level: Record) -> Rung:

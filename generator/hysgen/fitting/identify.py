@@ -66,7 +66,7 @@ def _fit(
 ) -> Model:
     """`fit` of a displacement that stands on no constant of its own."""
     if chosen.on_path:
-        weights = known_past(record, trust)
+        weights = known_past(record, trust, chosen.blocks)
         path = path_task(record, chosen)
         if not any(record.past_samples):
             return fit_path(path_columns(path, weights), chosen, weights)

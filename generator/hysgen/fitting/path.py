@@ -41,7 +41,9 @@ from hysgen.fitting.path_regressors import (
 )
 from hysgen.machine.reproducible import exp
 from hysgen.model.model import Grid, Model
+from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
+from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.record import Record
@@ -77,16 +79,20 @@ RELAXATIONS = (0.008, 0.0625)
 0.05."""
 
 
-def known_past(record: Record, trust: Trust | None = None) -> list[Floats]:
+def known_past(record: Record, trust: Trust | None = None, blocks: Sequence[InputBlock] = ()) -> list[Floats]:
     """Weight of each sample, by segment: 0 until the input has covered its range, at most for LATEST_COVERED of it.
 
     Before, plays may stand anywhere. The known past of a segment counts too. trust: further weights to multiply by;
-    ones by default.
+    ones by default. blocks: of the path, whose limits the input passes: what they hold back covers nothing.
     """
+    limits = [block for block in blocks if isinstance(block, Saturation | Slew)]
     weights = []
     for i, (segment, past) in enumerate(zip(record.whole().segments, record.past_samples, strict=True)):
         weight = np.ones(segment.samples - past) if trust is None else np.array(trust[i])
-        first = min(first_covering(segment.u_V), int(LATEST_COVERED * segment.samples))
+        u_V = segment.u_V
+        for block in limits:
+            u_V = block.apply(u_V, record.Ts_s)
+        first = min(first_covering(u_V), int(LATEST_COVERED * segment.samples))
         weight[: max(first - past, 0)] = 0.0
         weights.append(weight)
     return weights
