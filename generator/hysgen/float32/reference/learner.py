@@ -40,10 +40,63 @@ Mask = NDArray[np.bool_]
 LAST = np.uint32(0xFFFFFFFF)
 """Largest value of a counter."""
 _ZERO, _ONE, _TWO, _FOUR = (np.float32(value) for value in (0.0, 1.0, 2.0, 4.0))
+_FAST, _SLOW, _LEAST_VARIANCE = np.float32(FAST), np.float32(SLOW), np.float32(LEAST_VARIANCE)
+_LEVEL_ALPHA, _DEAD_ZONE_ALPHA = np.float32(2.0), np.float32(1.25)
 
 
-class LearnerState(LearnerWords):
-    """State of `lanes` learners, initialised from `instance` like `<name>_learn_init(self, model)`."""
+def project(u: Floats32, x: Floats32) -> Floats32:
+    """f_j = sum_{i<j} U_ij x_i + x_j; each sum starts at 0 and ends with x_j."""
+    f = np.zeros_like(x)
+    for i in range(len(x)):
+        f[i] = f[i] + x[i]
+        f[i + 1 :] = f[i + 1 :] + u[i, i + 1 :] * x[i]
+    return f
+
+
+def denominators(f: Floats32, g: Floats32) -> Floats32:
+    """alpha_0 .. alpha_(n-1), (n, lanes); alpha_(n-1) = 1 + x' P x."""
+    alpha = np.empty_like(f)
+    before = np.ones(f.shape[1], np.float32)
+    for j in range(len(f)):
+        before = before + f[j] * g[j]
+        alpha[j] = before
+    return alpha
+
+
+def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats32]:
+    """l_j = -f_j/alpha_(j-1), (n, lanes); alpha_(j-1)/alpha_j, (n, lanes); 1/alpha_(n-1), (lanes,)."""
+    per_alpha = reciprocal(alpha)
+    slope, kept = f.copy(), per_alpha.copy()
+    slope[1:] = f[1:] * per_alpha[:-1]
+    kept[1:] = alpha[:-1] * per_alpha[1:]
+    return -slope, kept, per_alpha[-1]
+
+
+def factor(u: Floats32, slope: Floats32, g: Floats32) -> tuple[Floats32, Floats32]:
+    """U and k = P x; slope: the l_j of `quotients`."""
+    u, k = u.copy(), np.empty_like(g)
+    for j in range(len(g)):
+        column = u[:j, j].copy()
+        u[:j, j] = on_grid(column + k[:j] * slope[j], FACTOR_GRID)
+        k[:j] = k[:j] + column * g[j]
+        k[j] = g[j]
+    return u, k
+
+
+def magnitude(x: Floats32) -> Floats32:
+    """|x|, computed by clearing the sign bit."""
+    return float_of(bits_of(x) & np.uint32(MAGNITUDE_BITS))
+
+
+def on_grid(x: Floats32, grid: float) -> Floats32:
+    """`x` rounded to multiples of `grid` for |x| <= 2^22 grid; for larger |x| the rounding is coarser."""
+    floor = ROUNDING * np.float32(grid)
+    return (x + floor) - floor
+
+
+class Learner(LearnerWords):
+    """`lanes` learners, initialised from `instance` like `<name>_learn_init(self, model)`; `learn` is their
+    recursive least squares."""
 
     def __init__(self, model: Model, instance: Instance) -> None:
         self.numbers: LearnerNumbers = learner_numbers(model, instance.numbers)
@@ -82,9 +135,13 @@ class LearnerState(LearnerWords):
         for member in self.described():
             if member.restart is not None:
                 zero = _ZERO if member.type == "float" else np.uint32(0)
-                value = values.get(member.restart, zero)
-                setattr(self, member.name, np.where(where, value, getattr(self, member.name)))
-        self.u = np.where(where, _ZERO, self.u)
+                self._put(where, **{member.name: values.get(member.restart, zero)})
+        self._put(where, u=_ZERO)
+
+    def _put(self, where: Mask, **values: Any) -> None:
+        """Change words of the state where true, and leave them elsewhere."""
+        for name, value in values.items():
+            setattr(self, name, np.where(where, value, getattr(self, name)))
 
     def count_event(self, event: str, happened: Mask) -> None:
         """Set the status bit of `event` and increment its counter where `happened`."""
@@ -110,76 +167,6 @@ class LearnerState(LearnerWords):
         table |= {"bias": np.zeros(1, np.float32)}
         number: np.float32 = table[parameter.group][parameter.index]
         return number
-
-
-def project(u: Floats32, x: Floats32) -> Floats32:
-    """f_j = sum_{i<j} U_ij x_i + x_j; each sum starts at 0 and ends with x_j."""
-    f = np.zeros_like(x)
-    for i in range(len(x)):
-        f[i] = f[i] + x[i]
-        f[i + 1 :] = f[i + 1 :] + u[i, i + 1 :] * x[i]
-    return f
-
-
-def gains(d: Floats32, f: Floats32) -> Floats32:
-    """g = D f."""
-    return on_grid(d * f, GAIN_GRID)
-
-
-def denominators(f: Floats32, g: Floats32) -> Floats32:
-    """alpha_0 .. alpha_(n-1), (n, lanes); alpha_(n-1) = 1 + x' P x."""
-    alpha = np.empty_like(f)
-    before = np.ones(f.shape[1], np.float32)
-    for j in range(len(f)):
-        before = before + f[j] * g[j]
-        alpha[j] = before
-    return alpha
-
-
-def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats32]:
-    """l_j = -f_j/alpha_(j-1), (n, lanes); alpha_(j-1)/alpha_j, (n, lanes); 1/alpha_(n-1), (lanes,)."""
-    per_alpha = reciprocal(alpha)
-    slope, kept = f.copy(), per_alpha.copy()
-    slope[1:] = f[1:] * per_alpha[:-1]
-    kept[1:] = alpha[:-1] * per_alpha[1:]
-    return -slope, kept, per_alpha[-1]
-
-
-def factor(u: Floats32, slope: Floats32, g: Floats32) -> tuple[Floats32, Floats32]:
-    """U and k = P x; slope: the l_j of `quotients`."""
-    u, k = u.copy(), np.empty_like(g)
-    for j in range(len(g)):
-        column = u[:j, j].copy()
-        u[:j, j] = on_grid(column + k[:j] * slope[j], FACTOR_GRID)
-        k[:j] = k[:j] + column * g[j]
-        k[j] = g[j]
-    return u, k
-
-
-def add_compensated(theta: Floats32, low: Floats32, k: Floats32, q: Floats32) -> tuple[Floats32, Floats32]:
-    """theta <- theta + k q by compensated summation; returns the new theta and its rounding error `low`."""
-    carried: Floats32 = low + on_grid(k * q, STEP_GRID)
-    total: Floats32 = theta + carried
-    return total, carried - (total - theta)
-
-
-def magnitude(x: Floats32) -> Floats32:
-    """|x|, computed by clearing the sign bit."""
-    return float_of(bits_of(x) & np.uint32(MAGNITUDE_BITS))
-
-
-def on_grid(x: Floats32, grid: float) -> Floats32:
-    """`x` rounded to multiples of `grid` for |x| <= 2^22 grid; for larger |x| the rounding is coarser."""
-    floor = ROUNDING * np.float32(grid)
-    return (x + floor) - floor
-
-
-_FAST, _SLOW, _LEAST_VARIANCE = np.float32(FAST), np.float32(SLOW), np.float32(LEAST_VARIANCE)
-_LEVEL_ALPHA, _DEAD_ZONE_ALPHA = np.float32(2.0), np.float32(1.25)
-
-
-class Learner(LearnerState):
-    """The recursive least squares of `<name>_learn(self, y, u)`, in every lane."""
 
     def aux(self, values: Sequence[Floats32]) -> None:
         """Set the auxiliary channels of the next sample as `<name>_learn_aux`, (lanes,) each, in their order."""
@@ -232,9 +219,8 @@ class Learner(LearnerState):
     def begin_trial(self, where: Mask, samples: int) -> None:
         """Begin to compare `trial` with the reference parameters; nothing to compare on if nothing was ever learnt."""
         to_come = np.where(self.counters["updates"] != 0, np.uint32(samples), np.uint32(0))
-        self.trying = np.where(where, to_come, self.trying)
-        for name in ("trial_um", "trial_reference_um", "trial_error", "trial_reference_error"):
-            setattr(self, name, np.where(where, _ZERO, getattr(self, name)))
+        names = ("trial_um", "trial_reference_um", "trial_error", "trial_reference_error")
+        self._put(where, trying=to_come, **dict.fromkeys(names, _ZERO))
 
     def _try(self, where: Mask, tried: Floats32, reference: Floats32) -> None:
         """Update the errors of a trial: innovations within the limit of the outlier gate, added up as in a free run."""
@@ -244,8 +230,7 @@ class Learner(LearnerState):
             before, level = getattr(self, f"{name}_um"), getattr(self, f"{name}_error")
             free_run = numbers.carried * before + limited(e, -limit, limit)[0]
             step = _SLOW * ((free_run * free_run + numbers.floor_um * numbers.floor_um) - level)
-            setattr(self, f"{name}_um", np.where(where, flushed(free_run), before))
-            setattr(self, f"{name}_error", np.where(where, level + step, level))
+            self._put(where, **{f"{name}_um": flushed(free_run), f"{name}_error": level + step})
         self.trying = self.trying - (where & (self.trying > 0)).astype(np.uint32)
 
     def _restart_needed(self, where: Mask, e: Floats32, reference: Floats32, step: Floats32) -> Mask:
@@ -258,13 +243,13 @@ class Learner(LearnerState):
         square = numbers.floor_um * numbers.floor_um
         rate = np.where(self.age >= settings.settle // 2, _SLOW, _ZERO)
 
-        def track(level: Floats32, value: Floats32, pace: Floats32 | np.float32) -> Floats32:
-            return np.asarray(np.where(where, level + pace * (value - level), level), np.float32)
+        def track(name: str, value: Floats32, pace: Floats32 | np.float32) -> None:
+            level = getattr(self, name)
+            self._put(where, **{name: level + pace * (value - level)})
 
-        self.moving_um = track(self.moving_um, magnitude(step) + numbers.floor_um, _FAST)
-        self.error = track(self.error, e * e + square, rate)
-        self.reference_error = track(self.reference_error, reference * reference + square, rate)
-        self.step_error = track(self.step_error, step * step + square, rate)
+        track("moving_um", magnitude(step) + numbers.floor_um, _FAST)
+        for name, missed in (("error", e), ("reference_error", reference), ("step_error", step)):
+            track(name, missed * missed + square, rate)
         worse: Mask = self.error > numbers.worse * self.reference_error
         lost: Mask = self.error > numbers.lost * self.step_error
         return where & (self.age >= settings.settle) & (worse | lost)
@@ -280,27 +265,25 @@ class Learner(LearnerState):
         weight = numbers.refresh[self.turn]
         back = weight * (self.reference[self.turn, lanes] - self.theta[self.turn, lanes])
         one = np.arange(numbers.size)[:, None] == self.turn
-        self.x = np.where(refreshing, np.where(one, weight, _ZERO), self.x)
         forgetting = np.where(sliding, numbers.inflate, numbers.inflate_first)
-        self.inflate = np.where(where, np.where(measuring, forgetting, _ONE), self.inflate)
-        self.innovation_um = np.where(where, np.where(measuring, e, back), self.innovation_um)
         following = np.where(self.turn + 1 < numbers.size, self.turn + 1, 0).astype(np.uint32)
-        self.turn = np.where(refreshing, following, self.turn)
-        self.since_refresh = np.where(where, np.where(measuring, since, 0), self.since_refresh).astype(np.uint32)
-        self.measuring = np.where(where, measuring, self.measuring).astype(np.uint32)
+        self._put(refreshing, x=np.where(one, weight, _ZERO), turn=following)
+        self._put(
+            where,
+            inflate=np.where(measuring, forgetting, _ONE),
+            innovation_um=np.where(measuring, e, back),
+            since_refresh=np.where(measuring, since, np.uint32(0)),
+            measuring=measuring.astype(np.uint32),
+        )
 
     def _update(self, where: Mask) -> None:
         """The update of P and theta with the x, the innovation and the forgetting factor that `_begin` stored."""
-        self._project(where)
-        accepted = self._update_diagonal(where)
-        self._update_factor(accepted)
-        self._update_theta(accepted)
-
-    def _project(self, where: Mask) -> None:
-        """f = U' x and g = D f."""
         f = project(self.u, self.x)
-        g = gains(self.d * self.inflate, f)
-        self.f, self.g = np.where(where, f, self.f), np.where(where, g, self.g)
+        self._put(where, f=f, g=on_grid((self.d * self.inflate) * f, GAIN_GRID))
+        accepted = self._update_diagonal(where)
+        u, k = factor(self.u, self.l, self.g)
+        self._put(accepted, u=u, k=k)
+        self._update_theta(accepted)
 
     def _update_diagonal(self, where: Mask) -> Mask:
         """alpha_j, l_j = -f_j/alpha_(j-1) and D_j in the lanes whose innovation is accepted; returns those lanes."""
@@ -316,8 +299,7 @@ class Learner(LearnerState):
         d, ceiling = (self.d * self.inflate) * kept, numbers.ceiling[:, None]
         clamped = (d < _LEAST_VARIANCE) | (d > ceiling)
         d = np.where(d < _LEAST_VARIANCE, _LEAST_VARIANCE, np.where(d > ceiling, ceiling, d))
-        self.l, self.d = np.where(where, slope, self.l), np.where(where, d, self.d)
-        self.per_alpha = np.where(where, per_alpha, self.per_alpha)
+        self._put(where, l=slope, d=d, per_alpha=per_alpha)
         self.count_event("clamped", where & clamped.any(axis=0))
         return where
 
@@ -336,30 +318,24 @@ class Learner(LearnerState):
         run = np.where(far, self.run + np.uint32(1), self.run - (self.run > 0).astype(np.uint32))
         changed = run >= settings.outlier_run
         scale = np.where(changed & (size > scale), size, scale)
-        self.scale_um = np.where(where, scale, self.scale_um)
-        self.run = np.where(where, np.where(changed, np.uint32(0), run), self.run)
+        self._put(where, scale_um=scale, run=np.where(changed, np.uint32(0), run))
         outlier = far & ~changed
         self.count_event("outliers", where & outlier)
         self.count_event("changes", where & changed)
         self.count_event("quiet", where & quiet)
         return where & (outlier | quiet)
 
-    def _update_factor(self, where: Mask) -> None:
-        """U and k = P x."""
-        u, k = factor(self.u, self.l, self.g)
-        self.u, self.k = np.where(where, u, self.u), np.where(where, k, self.k)
-
     def _update_theta(self, where: Mask) -> None:
-        """theta <- theta + k e/alpha; the step is scaled so that no parameter moves by more than step_um."""
+        """theta <- theta + k e/alpha, summed with its rounding error; no parameter moves by more than step_um."""
         numbers = self.numbers
         q = self.innovation_um * self.per_alpha
         size = float_of((bits_of(self.k) & np.uint32(MAGNITUDE_BITS)).max(axis=0)) * magnitude(q)
         long = where & (size > numbers.step_um)
         q = np.where(long, q * (numbers.step_um * reciprocal(np.where(long, size, _ONE))), q)
         self.count_event("limited", long)
-        theta, low = add_compensated(self.theta, self.theta_low, self.k, q)
-        self.theta_low = np.where(where, low, self.theta_low)
-        self.theta = np.where(where, theta, self.theta)
+        carried = self.theta_low + on_grid(self.k * q, STEP_GRID)
+        theta = self.theta + carried
+        self._put(where, theta=theta, theta_low=carried - (theta - self.theta))
         beyond = where & (bits_of(magnitude(theta)) >= bits_of(np.asarray(numbers.limit_um))).any(axis=0)
         self.count_event("restarts", beyond)
         self.restart(beyond)
@@ -387,10 +363,8 @@ class Learner(LearnerState):
             else:
                 row = firing[j] * share[parameter.group]
             rows.append(on_grid(row, REGRESSOR_GRID))
-        self.x = np.where(where, np.stack(rows), self.x)
-        self.fixed_um = np.where(where, self._fixed(y, v, per_weight), self.fixed_um)
+        self._put(where, x=np.stack(rows), fixed_um=self._fixed(y, v, per_weight), y_um=y_um)
         self.fresh = np.where(where & (outside == 0), np.uint32(1), np.uint32(0))
-        self.y_um = np.where(where, y_um, self.y_um)
         self.count_event("outside", where & (outside != 0))
 
     def _fixed(self, y: Floats32, v: Floats32, per_weight: Floats32) -> Floats32:
