@@ -1,10 +1,12 @@
 """What `hysgen prove --only equal` says of many models, and of planted faults.
 
 python benchmarks/proofs.py models --random 200   proved or not, time, memory, equalities of the solver, by kind
-python benchmarks/proofs.py faults                every fault of FAULTS planted alone: all are found
+python benchmarks/proofs.py models --first 100    the same of the random models 100 .. 199 alone, to go on with
+python benchmarks/proofs.py kernels               the same of the kernels of the models that are named
+python benchmarks/proofs.py faults                every fault planted alone: all are found
 
-A fault is a text that stands in the generated C or in the source of the reference, and the text in its place. The
-faults of scheduled kernels are those of tests/fixtures/c674x_kernels.py: their inspection finds them, not this proof.
+A fault is a text that stands in the generated C, in the source of the reference (FAULTS) or in the assembly of the
+kernels (tests/fixtures/c674x_kernels.py), and the text in its place.
 Every proof has a process of its own, so that time and memory are its own and a changed reference ends with it.
 """
 
@@ -170,6 +172,28 @@ def structure() -> Any:
     return dataclasses.replace(smooth(2), name="structure_44", blocks=(block,))
 
 
+def scheduled(name: str, fault: tuple[str, str] | None = None, place: float = 0.0) -> Any:
+    """A task for `alone`: the proof of the kernels of a model, with an instruction changed in their assembly."""
+    from fixtures.c674x_kernels import changed
+    from hysgen.codegen import Options, generate
+    from hysgen_c674x.schedule.folder import assembly_file, kernels, with_kernels
+    from hysgen_c674x.schedule.proof import kernel_proofs
+
+    model, _ = model_of(name)
+    texts = generate(model, Options(clock_Hz=1e10, aligned=True))
+    texts = with_kernels(model.name, texts, kernels(model.name, texts))
+    if fault is not None:
+        texts[assembly_file(model.name)] = changed(texts[assembly_file(model.name)], fault, place)
+    return lambda: said(kernel_proofs(model, texts))
+
+
+def said(result: Any) -> tuple[dict[str, str], int]:
+    """The answers by function, and the equalities that the solver decided."""
+    proofs = result.functions
+    answers = {proof.function: "proved" if proof.holds else proof.line() for proof in proofs}
+    return answers, sum(proof.solved for proof in proofs)
+
+
 def prepared(name: str, functions: Sequence[str], change: tuple[str, str] = ("", ""), module: str = "") -> Any:
     """A task for `alone`: the proof of a model, with a text changed in its C or in a module of the reference."""
     if module:
@@ -182,13 +206,7 @@ def prepared(name: str, functions: Sequence[str], change: tuple[str, str] = ("",
         assert change[0] in texts[source], f"the fault has nothing to bite on: {change[0]}"
         texts[source] = texts[source].replace(*change)
 
-    def proof() -> tuple[dict[str, str], int]:
-        result = translation(model, texts, calls=functions)
-        return {f.function: "proved" if f.holds else f.line() for f in result.functions}, sum(
-            f.solved for f in result.functions
-        )
-
-    return proof
+    return lambda: said(translation(model, texts, calls=functions))
 
 
 def _reference_with(name: str, change: tuple[str, str]) -> None:
@@ -204,29 +222,32 @@ def _reference_with(name: str, change: tuple[str, str]) -> None:
     exec(compile(text.replace(change[0], change[1], 1), spec.origin, "exec"), module.__dict__)
 
 
-def judged(*arguments: Any) -> Judged:
-    """The answer of `prepared` in a process of its own."""
-    done = alone(prepared, *arguments)
+def judged(*arguments: Any, task: Callable[..., Any] = prepared) -> Judged:
+    """The answer of `prepared`, or of `scheduled`, in a process of its own."""
+    done = alone(task, *arguments)
     answers, solved = done.value
     return Judged(answers, solved, done.seconds, done.MB)
 
 
-def models(random: int) -> None:
+LISTED: Final = (
+    "shipped appendix_a",
+    "paper appendix_b",
+    "shipped extended",
+    "largest path",
+    "structure 44",
+    "sized 18",
+    "sized 24",
+)
+
+
+def models(first: int, random: int, of_kernels: bool = False) -> None:
     """Print a row for each model, and the sums of each kind."""
-    listed = [
-        "shipped appendix_a",
-        "paper appendix_b",
-        "shipped extended",
-        "largest path",
-        "structure 44",
-        "sized 18",
-        "sized 24",
-    ]
+    drawn = [f"random {seed}" for seed in range(first, random)]
     kinds: dict[str, list[Judged]] = defaultdict(list)
-    for name in [*listed, *(f"random {seed}" for seed in range(random))]:
-        result = judged(name, EVERY)
+    for name in LISTED if of_kernels else [*(LISTED if first == 0 else ()), *drawn]:
+        result = judged(name, task=scheduled) if of_kernels else judged(name, EVERY)
         open_words = [line for line in result.answers.values() if line != "proved"]
-        kinds[name if name in listed else "random"].append(result)
+        kinds[name if name in LISTED else "random"].append(result)
         print(
             f"{name}: {len(result.answers) - len(open_words)} of {len(result.answers)} functions proved, "
             f"{result.solved} equalities by the solver, {result.seconds:.1f} s, {result.MB:.0f} MB",
@@ -249,26 +270,35 @@ def models(random: int) -> None:
 def faults() -> int:
     """Print what becomes of each fault; returns how many were not seen."""
     planted = [(fault[0], fault[1], fault[2:], module) for module, found in FAULTS.items() for fault in found]
+    from fixtures.c674x_kernels import WRONG
+
     missed = 0
     for name, function, change, module in planted:
         answer = judged(name, (function,), change, module).answers[function]
         missed += answer == "proved"
         seen = "MISSED" if answer == "proved" else "seen"
         print(f"{seen} in {module or 'the C'}, {name}: {change[0].strip()!r}: {answer}", flush=True)
-    places = f"{len(FAULTS[''])} of the C, {len(planted) - len(FAULTS[''])} of the reference"
-    print(f"{len(planted) - missed} of {len(planted)} faults found: {places}")
+    wrong = [(fault, place) for fault in WRONG for place in (0.2, 0.7)]
+    for fault, place in wrong:
+        answers = judged(LEARNER, fault, place, task=scheduled).answers.values()
+        missed += set(answers) == {"proved"}
+        seen = "MISSED" if set(answers) == {"proved"} else "seen"
+        print(f"{seen} in the kernels: {fault[0]}: {[answer for answer in answers if answer != 'proved']}", flush=True)
+    places = f"{len(FAULTS[''])} of the C, {len(planted) - len(FAULTS[''])} of the reference, {len(wrong)} of kernels"
+    print(f"{len(planted) + len(wrong) - missed} of {len(planted) + len(wrong)} faults found: {places}")
     return missed
 
 
 def main() -> None:
     """Print the proofs of models, or what becomes of the faults."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("what", choices=["models", "faults"])
+    parser.add_argument("what", choices=["models", "kernels", "faults"])
     parser.add_argument("--random", type=int, default=200, help="number of random models")
+    parser.add_argument("--first", type=int, default=0, help="the first of them; with it, no other model is proved")
     arguments = parser.parse_args()
     if arguments.what == "faults":
         sys.exit(min(faults(), 1))
-    models(arguments.random)
+    models(arguments.first, arguments.random, arguments.what == "kernels")
 
 
 if __name__ == "__main__":

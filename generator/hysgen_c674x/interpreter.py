@@ -44,7 +44,7 @@ from hysgen_c674x.processor import (
     RunCounts,
 )
 
-_AMR, _CSR, _IFR, _ISR, _ICR, _IER, _ISTP, _IRP, _NRP, _TSCL, _FADCR, _FMCR, _TSR = range(len(CONTROL))
+_AMR, _CSR, _IFR, _ISR, _ICR, _IER, _ISTP, _IRP, _NRP, _TSCL, _FADCR, _FMCR = range(len(CONTROL) - 1)
 _GIE, _PGIE, _NMI, _MASKABLE = 1, 2, 2, 0xFFF0
 
 

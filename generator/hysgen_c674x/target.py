@@ -3,7 +3,7 @@
 The functions import their machinery when they are called: the help of a verb lists the targets.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hysgen.codegen.operations.cycles import C674X
@@ -41,6 +41,13 @@ def schedule(name: str, texts: Texts, assembler: str) -> tuple[dict[str, str], M
     return with_ti_assembly(name, texts) if assembler == "ti" else texts, made.refused
 
 
+def prove(model: Model, texts: Texts, functions: Sequence[str]) -> Equality:
+    """Whether the kernels of a folder are equal to their C for every input."""
+    from hysgen_c674x.schedule.proof import kernel_proofs
+
+    return kernel_proofs(model, texts, functions)
+
+
 def assembler_of(name: str, texts: Texts) -> str | None:
     """The assembler of the kernels of a folder, None without kernels."""
     from hysgen_c674x.schedule.folder import assembly_file, ti_file
@@ -64,6 +71,6 @@ TARGET = Target(
     cost=cost,
     verify=verify,
     verify_options=("updates",),
-    kernels=Kernels(("gnu", "ti"), schedule, assembler_of),
+    kernels=Kernels(("gnu", "ti"), schedule, assembler_of, prove),
     firmware=firmware,
 )

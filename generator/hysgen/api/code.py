@@ -11,7 +11,7 @@ from hysgen.api.models import Progress
 from hysgen.checking.bits import VerifySettings, verify_texts
 from hysgen.checking.bits.report import Report
 from hysgen.checking.cost import Cost, cost_of_texts
-from hysgen.checking.proof.checks import CHECKS, CheckSettings, Proof, known_checks
+from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
 from hysgen.codegen import Derived, Options, write
 from hysgen.codegen import generate as generate_texts
 from hysgen.codegen.manifest import MANIFEST, read_folder, require_model
@@ -127,12 +127,19 @@ def prove(
 ) -> Proof:
     """Checks of generated C, or of a folder of it, without the target; "eva" takes minutes and needs Frama-C.
 
+    With "equal", the kernels of a folder are proved equal to their C, under the name "kernels".
     Raises HysgenError for an unknown check, and if a tool of a check is not installed.
     """
     given = code if isinstance(code, Generated) else read_folder(Path(code))
     chosen, report = settings or CheckSettings(), progress or (lambda fraction, line: None)
     names = known_checks(checks)
-    return Proof(given.model.name, {name: CHECKS[name](given.model, given.texts, chosen, report) for name in names})
+    made = {name: CHECKS[name](given.model, given.texts, chosen, report) for name in names}
+    if "equal" in made and "kernels" in json.loads(given.texts.get(MANIFEST, "{}")):
+        scheduled = with_kernels_in(given.model.name, given.texts)[0].kernels
+        assert scheduled is not None
+        answer = scheduled.prove(given.model, given.texts, chosen.calls)
+        made["kernels"] = Checked(answer, answer.equal)
+    return Proof(given.model.name, made)
 
 
 def cost(

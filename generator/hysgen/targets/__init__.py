@@ -41,7 +41,7 @@ class Extent:
 
 
 class Equality(Protocol):
-    """The answer of `verify`."""
+    """The answer of `verify`, and of the proof of kernels."""
 
     @property
     def equal(self) -> bool: ...
@@ -70,12 +70,14 @@ class Kernels:
 
     assemblers: syntaxes of the file of the kernels, the usual one first. schedule: (name of the model, texts,
     assembler) -> the texts with the kernels, and the functions that stay in C with the reason. assembler: (name, texts)
-    -> the assembler of a folder, None if it holds no kernels of this target.
+    -> the assembler of a folder, None if it holds no kernels of this target. prove: (model, texts, functions) -> of
+    these kernels, all if (), whether they are equal to their C for every input.
     """
 
     assemblers: tuple[str, ...]
     schedule: Callable[[str, Texts, str], tuple[dict[str, str], Mapping[str, str]]]
     assembler: Callable[[str, Texts], str | None]
+    prove: Callable[[Model, Texts, Sequence[str]], Equality]
 
 
 @dataclass(frozen=True)

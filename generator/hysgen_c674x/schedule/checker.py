@@ -30,7 +30,7 @@ from hysgen_c674x.packets import Packet, operands
 
 _LINK, _STACK = 32 + 3, 32 + 15
 _PRESERVED: Final = frozenset({*range(10, 16), *range(32 + 10, 32 + 16), _LINK})
-_ARGUMENTS: Final = (4, 32 + 4, 6, 32 + 6, 8, 32 + 8)
+ARGUMENTS: Final = (4, 32 + 4, 6, 32 + 6, 8, 32 + 8)
 _GUARDS: Final = frozenset({0, 1, 2, 32, 33, 34})
 
 
@@ -97,7 +97,7 @@ class _Inspection:
     def run(self, packets: Sequence[Packet]) -> list[Finding]:
         self.values = {register: f"entry {register}" for register in _PRESERVED}
         self.values[_STACK] = _Stack(0)
-        self.values |= {register: _Argument(register, 0) for register in _ARGUMENTS[: self.parameters]}
+        self.values |= {register: _Argument(register, 0) for register in ARGUMENTS[: self.parameters]}
         cycle = 0
         for packet in packets:
             self.here = packet.address

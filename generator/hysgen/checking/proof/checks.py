@@ -55,7 +55,7 @@ Progress = Callable[[float, str], None]
 class Answer(Protocol):
     """The result of a check, as text and as JSON."""
 
-    def lines(self) -> list[str]: ...
+    def lines(self) -> Sequence[str]: ...
 
     def to_json(self) -> dict[str, Any]: ...
 
@@ -116,7 +116,7 @@ def _sanitize(model: Model, texts: Mapping[str, str], settings: CheckSettings, p
 
 def _equal(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:
     report = translation(model, texts, calls=settings.calls, progress=progress)
-    return Checked(report, report.holds)
+    return Checked(report, report.equal)
 
 
 def _eva(model: Model, texts: Mapping[str, str], settings: CheckSettings, progress: Progress) -> Checked:

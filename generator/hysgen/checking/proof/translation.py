@@ -116,7 +116,7 @@ class Translation:
     functions: tuple[FunctionProof, ...]
 
     @property
-    def holds(self) -> bool:
+    def equal(self) -> bool:
         """Whether no function was seen to differ."""
         return not any(proof.difference for proof in self.functions)
 
@@ -129,7 +129,7 @@ class Translation:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        return dataclasses.asdict(self) | {"holds": self.holds}
+        return dataclasses.asdict(self) | {"holds": self.equal}
 
 
 def translation(

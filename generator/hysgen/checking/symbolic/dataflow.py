@@ -16,7 +16,6 @@ from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, MASK, FloatUnit
 COMPARISONS: Final = frozenset(["cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp"])
 COMMUTATIVE: Final = frozenset(["addsp", "mpysp", "add", "and", "or", "xor", "mpy32", "cmpeq", "cmpeqsp"])
 _AT_ONCE: Final = frozenset(["and", "or", "xor", "select", "cmpeq"])
-_FLIP: Final = 0x8000_0000
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,38 +315,3 @@ _RULES: Final[Mapping[str, Callable[..., Op | None]]] = {
     "shl": _shift,
     "shru": _shift,
 }
-
-
-@dataclass
-class Memory:
-    """Words by byte address: what `evaluate` reads and writes."""
-
-    words: dict[int, int]
-    tables: Mapping[str, int] = field(default_factory=dict)
-
-
-def evaluate(kernel: Kernel, arguments: Sequence[int], memory: Memory) -> int | None:
-    """Run the graph in the order of the C text; the result's bits, or None. Stores go to `memory`."""
-    values: dict[int, int] = {}
-    unit = FloatUnit()
-    for op in kernel.operations():
-        inputs = [arg.number if arg.kind == "const" else values[id(arg)] for arg in op.args]
-        match op.kind:
-            case "const":
-                value = op.number
-            case "param":
-                value = arguments[op.number]
-            case "symbol":
-                value = memory.tables[op.name]
-            case "load":
-                value = memory.words[inputs[0] + op.number & MASK]
-            case "store":
-                memory.words[inputs[0] + op.number & MASK] = value = inputs[1]
-            case "select":
-                value = inputs[1] if inputs[0] else inputs[2]
-            case kind if kind in INTEGER:
-                value = INTEGER[kind](*inputs)
-            case kind:
-                value = FLOAT[kind](unit, *inputs)
-        values[id(op)] = value
-    return values[id(kernel.result)] if kernel.result else None

@@ -47,7 +47,12 @@ def replaced(
 
 @dataclass
 class IndexedMemory(SymbolicMemory):
-    """All words that a function can read or write, none of them outside."""
+    """All words that a function can read or write, none of them outside.
+
+    arrays: those that an index that depends on data was in, by object and byte offset.
+    """
+
+    arrays: dict[tuple[str, int], Place] = field(default_factory=dict)
 
     def read(self, place: Place) -> Leaf:
         if place.index is None:
@@ -67,6 +72,7 @@ class IndexedMemory(SymbolicMemory):
     def _array(self, place: Place) -> list[Op]:
         if place.high - place.low >= 1 << 29:
             raise KernelRefusalError(f"{place.memory}: an array of unknown size, indexed by data")
+        self.arrays[place.memory, place.offset] = place
         places = (Place(place.memory, at, INTEGER) for at in range(place.low, place.high, WORD))
         leaves = [super(IndexedMemory, self).read(word) for word in places]
         if not all(isinstance(leaf, Op) for leaf in leaves):
@@ -96,12 +102,14 @@ class Decision:
 class Outcome:
     """What a call leaves: the words of each struct behind a pointer parameter, by its name, and the returned word.
 
-    decisions: the `if` statements that depend on data, in their order.
+    decisions: the `if` statements that depend on data, in their order. arrays: of structs and tables, those with an
+    element at an index that depends on data, by name and byte offset.
     """
 
     structs: Mapping[str, tuple[Op, ...]]
     result: Op | None
     decisions: tuple[Decision, ...]
+    arrays: Mapping[tuple[str, int], Place]
 
 
 def outcome(source: Source, graph: Graph, function: str, arguments: Sequence[Op | Sequence[Op]]) -> Outcome:
@@ -173,7 +181,10 @@ class _Execution:
             words = [self.memory.read(Place(memory, WORD * k, INTEGER)) for k in range(count)]
             assert all(isinstance(word, Op) for word in words), f"{function}: {name} holds a pointer"
             behind[name] = tuple(word for word in words if isinstance(word, Op))
-        return Outcome(behind, result if isinstance(result, Op) else None, tuple(self.decisions))
+        names = {memory: name for name, (memory, _) in structs.items()} | {name: name for name in self.source.tables}
+        indexed = self.memory.arrays.items() if isinstance(self.memory, IndexedMemory) else ()
+        arrays = {(names[memory], at): place for (memory, at), place in indexed if memory in names}
+        return Outcome(behind, result if isinstance(result, Op) else None, tuple(self.decisions), arrays)
 
     def _call(self, function: str, arguments: Sequence[Value]) -> Value:
         name = self.source.name

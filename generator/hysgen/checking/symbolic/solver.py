@@ -10,6 +10,7 @@ Every rule keeps the bits for all operands, a NaN result excepted, which stays a
 
 from __future__ import annotations
 
+import functools
 import importlib
 import itertools
 from collections.abc import Sequence
@@ -18,10 +19,13 @@ from typing import Any, Final
 from hysgen.checking.symbolic.arrays import COMPUTED
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.expressions import negated
+from hysgen.checking.symbolic.memory import WORD
 from hysgen.checking.symbolic.semantics import MASK, from_image
 from hysgen.checking.symbolic.source import KernelRefusalError
 
 MOST_OPERANDS: Final = 64
+MOST_OPENED: Final = 40
+"""Operands of an element of an array that is opened to the choice of a word, where it is compared with one."""
 _ANY_ORDER: Final = frozenset(["add", "and", "or", "xor"])
 _ONE, _MINUS, _SIGN = 0x3F80_0000, 0xBF80_0000, 0x8000_0000
 
@@ -69,7 +73,8 @@ def rebuilt(graph: Graph, op: Op, args: Sequence[Op]) -> Op:
                 distance, offset = distance.args[0], offset + distance.args[1].number & MASK
             return graph.indexed(args[1:], distance, offset)
         case "addsp" | "subsp" if _is_negative(args[1]):
-            return graph.op("subsp" if op.kind == "addsp" else "addsp", args[0], args[1].args[0])
+            negative = args[0], args[1].args[0]
+            return graph.op("subsp", *negative) if op.kind == "addsp" else graph.op("addsp", *_by_age(negative))
         case "sub" if args[1].kind == "const" and not args[1].number:
             return args[0]
         case "mpysp" if any(arg.kind == "const" and arg.number == _ONE for arg in args):
@@ -91,6 +96,8 @@ def rebuilt(graph: Graph, op: Op, args: Sequence[Op]) -> Op:
             return _multiple(graph, args[0], factor) if factor <= MASK else graph.op(op.kind, *args)
         case kind if kind in _ANY_ORDER:
             return _in_order(graph, kind, args)
+        case "addsp" | "mpysp" | "cmpeqsp":
+            return graph.op(op.kind, *_by_age(args))
         case kind if kind in COMPUTED:
             return graph.op(kind, *args)
     raise KernelRefusalError(f"{op.kind} is not traced")
@@ -116,11 +123,13 @@ def _in_order(graph: Graph, kind: str, args: Sequence[Op]) -> Op:
             pending += top.args
         else:
             operands.append(top)
-    operands.sort(key=lambda operand: (operand.kind == "const", operand.order))
-    total = operands[0]
-    for operand in operands[1:]:
-        total = graph.op(kind, total, operand)
-    return total
+    first, *others = _by_age(operands)
+    return functools.reduce(lambda total, operand: graph.op(kind, total, operand), others, first)
+
+
+def _by_age(operands: Sequence[Op]) -> list[Op]:
+    """Operands whose order does not matter, constants last."""
+    return sorted(operands, key=lambda operand: (operand.kind == "const", operand.order))
 
 
 SOLVER: Final = "bitwuzla"
@@ -167,7 +176,7 @@ class Solver:
             for less, more in itertools.product(sums, sums):
                 if (less.kind, more.kind) == ("subsp", "addsp") and less.args[0] in more.args:
                     self._solver.assert_formula(self._ordered(less, more))
-        self._solver.assert_formula(self._is_not(a, self._term(b)))
+        self._solver.assert_formula(self._terms.mk_term(self._b.Kind.DISTINCT, [self._opened(a), self._opened(b)]))
         answer = self._solver.check_sat()
         self._solver.pop(1)
         return bool(answer == self._b.Result.UNSAT)
@@ -187,6 +196,18 @@ class Solver:
 
     def _float(self, word: Any) -> Any:
         return self._terms.mk_term(self._b.Kind.FP_TO_FP_FROM_BV, [word], [8, 24])
+
+    def _opened(self, op: Op) -> Any:
+        """The term of an operation; of an element of a short array, what it chooses."""
+        if not _opens(op):
+            return self._term(op)
+        distance, *words = op.args
+        chosen = self._term(words[-1])
+        for k, word in enumerate(words[:-1]):
+            at = self._terms.mk_bv_value(self._word, WORD * k - op.number & MASK)
+            here = self._terms.mk_term(self._b.Kind.EQUAL, [self._term(distance), at])
+            chosen = self._terms.mk_term(self._b.Kind.ITE, [here, self._term(word), chosen])
+        return chosen
 
     def _term(self, op: Op) -> Any:
         pending = [op]
@@ -236,10 +257,14 @@ class Solver:
         return self._terms.mk_term(self._b.Kind.ITE, [truth, yes, no])
 
 
+def _opens(op: Op) -> bool:
+    return op.kind == "element" and len(op.args) <= MOST_OPENED
+
+
 def variables(*ops: Op) -> list[Op]:
     """The operations that are variables to the solver and that it meets first on the way down from `ops`."""
     seen: dict[int, Op] = {}
-    pending = list(ops)
+    pending = [arg for op in ops for arg in (op.args if _opens(op) else (op,))]
     while pending:
         top = pending.pop()
         if id(top) not in seen:

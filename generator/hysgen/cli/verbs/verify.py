@@ -28,9 +28,10 @@ Show of generated C, without running it on the target, what can be shown: warnin
 
 warnings: gcc and clang under one wall of flags. misra: cppcheck's add-on; every finding of a required rule is red.
 sanitize: the C runs under gcc's sanitizers on every kind of input. equal: the C computes the bits of the reference for
-every input, function by function (with the solver of `pip install 'hysgen[prove]'`). eva: Frama-C proves, for every
-input and every state inside the certified box, that nothing fails, that no float becomes infinite or NaN, and that the
-state is then inside the box again. docs/proof.md says what is assumed.
+every input, function by function, and scheduled kernels those of the C (with the solver of `pip install
+'hysgen[prove]'`). eva: Frama-C proves, for every input and every state inside the certified box, that nothing fails,
+that no float becomes infinite or NaN, and that the state is then inside the box again. docs/proof.md says what is
+assumed.
 """
 
 TARGET_SAMPLES = 4000
@@ -88,8 +89,10 @@ def run_verify(arguments: argparse.Namespace, console: Console) -> int:
     if not arguments.prove:
         return console.finish(report.to_json(), report.equal)
     proof = prove(Path(arguments.folder), ["equal"], progress=console.progress)
-    console.say("\n".join(proof.checks["equal"].answer.lines()))
-    answer = {**report.to_json(), "proof": proof.checks["equal"].answer.to_json()}
+    for check in proof.checks.values():
+        console.say("\n".join(check.answer.lines()))
+    answers = {name: check.answer.to_json() for name, check in proof.checks.items()}
+    answer = {**report.to_json(), "proof": answers.pop("equal"), **answers}
     return console.finish(answer, report.equal and proof.clean)
 
 
@@ -122,8 +125,10 @@ def run_prove(arguments: argparse.Namespace, console: Console) -> int:
     settings = CheckSettings(arguments.samples, calls)
     checks: dict[str, Checked] = {}
     for name in names:
-        checks |= prove(Generated(folder.model, folder.texts), [name], settings, console.progress).checks
-        console.say("\n".join([f"{name}:", *checks[name].answer.lines()]) + "\n")
+        made = prove(Generated(folder.model, folder.texts), [name], settings, console.progress).checks
+        for kind, check in made.items():
+            console.say("\n".join([f"{kind}:", *check.answer.lines()]) + "\n")
+        checks |= made
     proof = Proof(folder.model.name, checks)
     return console.finish({**proof.to_json(), "altered": list(folder.altered)}, proof.clean)
 
