@@ -5,6 +5,7 @@ import contextlib
 import dataclasses
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from hysgen.cli.console import Console
@@ -69,6 +70,14 @@ BIG_BYTES = 10_000_000
 """Size from which on it is said that files are being read: a second of text, and more of what is packed."""
 
 
+def says_reading(files: Sequence[Path], console: Console) -> bool:
+    """Whether the files are so big that it was said that they are being read."""
+    size = sum(file.stat().st_size for file in files if file.is_file())
+    if size >= BIG_BYTES:
+        console.progress(0.0, f"reading {size / 1e6:.0f} MB")
+    return size >= BIG_BYTES
+
+
 def read_records(
     paths: list[str], arguments: argparse.Namespace, console: Console, echo: bool = True, gated: bool = False
 ) -> Record:
@@ -79,9 +88,7 @@ def read_records(
     columns = Columns.from_text(arguments.columns) if arguments.columns else Columns()
     with tempfile.TemporaryDirectory() as folder:
         files = [_from_stdin(Path(folder)) if path == "-" else Path(path) for path in paths]
-        size = sum(file.stat().st_size for file in files if file.is_file())
-        if size >= BIG_BYTES:
-            console.progress(0.0, f"reading {size / 1e6:.0f} MB")
+        big = says_reading(files, console)
         record = load_record(
             files,
             columns.of(WRITTEN_IN.get()),
@@ -90,7 +97,7 @@ def read_records(
             split_at_gaps=arguments.split_at_gaps,
         )
     record = record.without_wrong_readings(gated)
-    if size >= BIG_BYTES:
+    if big:
         console.progress(1.0, f"{record.samples} rows are read")
     for warning in record.warnings:
         console.warn(warning)

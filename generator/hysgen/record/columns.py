@@ -32,7 +32,6 @@ UNITS: dict[str, dict[str, tuple[float, float]]] = {
         "m": (1e6, 1.0),
     },
 }
-BASE = {"time": "s", "voltage": "V", "displacement": "um"}
 OWN = {"time": "time_s", "voltage": "voltage_V", "displacement": "displacement_um"}
 """Names of the columns in hysgen's own files."""
 NONE = "\0"

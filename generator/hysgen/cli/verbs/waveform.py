@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hysgen.api.models import design_loop, simulate, waveform
 from hysgen.cli.console import Console
-from hysgen.cli.options import add_model
+from hysgen.cli.options import add_model, says_reading
 from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.cli.verbs.generate import usable_model
@@ -83,6 +83,7 @@ def waveform_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_simulate(arguments: argparse.Namespace, console: Console) -> int:
+    says_reading([Path(arguments.record)], console)
     answer = simulate(load_model(arguments.model), arguments.record, arguments.columns)
     console.say(answer.one_line())
     _write(arguments, answer.time_s, {answer.quantities.columns[1]: answer.y_um}, answer, console)
@@ -92,6 +93,7 @@ def run_simulate(arguments: argparse.Namespace, console: Console) -> int:
 
 def run_waveform(arguments: argparse.Namespace, console: Console) -> int:
     model = usable_model(arguments)
+    says_reading([Path(arguments.record or "")], console)
     periods = 1.0 if arguments.periodic else arguments.periods
     form = Form(arguments.amplitude, arguments.centre, arguments.frequency, periods)
     plan = waveform(

@@ -21,10 +21,6 @@ MATLAB_BLOCK = 512
 """Bytes that MATLAB puts before the HDF5 part of a v7.3 file."""
 
 
-class _MatlabTableError(Exception):
-    """The file holds tables or timetables, which are objects of MATLAB."""
-
-
 def read_hdf5(path: Path) -> FileArrays:
     """All numeric datasets of an HDF5 file by path, without the leading slash, their units, and the sampling period.
 
@@ -39,6 +35,7 @@ def read_hdf5(path: Path) -> FileArrays:
     units: dict[str, str] = {}
     periods: list[float] = []
     sizes: list[int] = []
+    tables: list[str] = []
 
     def take(name: str, item: Any) -> None:
         if re.search(r"(^|/)_i_", name):
@@ -52,7 +49,7 @@ def read_hdf5(path: Path) -> FileArrays:
         if period is not None:
             periods.append(period)
         if item.attrs.get("MATLAB_class") in (b"table", b"timetable"):
-            raise _MatlabTableError
+            tables.append(name)
         if not isinstance(item, h5py.Dataset) or item.shape is None:
             return
         sizes.append(int(item.nbytes))
@@ -71,10 +68,10 @@ def read_hdf5(path: Path) -> FileArrays:
         with h5py.File(path, "r") as file:
             take("", file)
             file.visititems(take)
-    except _MatlabTableError:
-        return read_tables(path)
     except (OSError, RuntimeError, ValueError, KeyError) as fault:
         raise RecordError(f"{path.name}: is no readable HDF5 file ({one_line(fault)}); write it again") from fault
+    if tables:
+        return read_tables(path)
     return FileArrays(arrays, units, periods[0] if periods and max(periods) == min(periods) else None)
 
 
