@@ -151,6 +151,9 @@ def test_a_big_file_that_is_read_shows_progress(
     monkeypatch.setattr("hysgen.cli.options.BIG_BYTES", 99)
     assert main(["inspect", "r.csv", "--columns", "time=t,voltage=a,displacement=b"]) == 0
     assert "reading 0 MB" in capsys.readouterr().err
+    for verb, columns in (("simulate", "voltage=a"), ("waveform", "displacement=b")):
+        main([verb, "appendix_a", "r.csv", "--columns", f"time=t,{columns}", "-v"])
+        assert "reading 0 MB" in capsys.readouterr().err
 
 
 def test_quiet_and_verbose_stand_before_or_behind_the_verb(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
