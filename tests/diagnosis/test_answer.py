@@ -19,6 +19,8 @@ from hysgen.errors import RecordError
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import compare
 from hysgen.record import Record
+from hysgen_lab.stage import Stage, run
+from hysgen_lab.studies.bank.scenario import good
 
 pytestmark = pytest.mark.slow
 """Every answer needs a diagnosis."""
@@ -102,7 +104,9 @@ def test_separate_holdout_is_scored_and_not_fitted() -> None:
 
 
 def test_a_stage_without_a_planted_cause_is_diagnosed_with_none_and_settings_reach_the_models() -> None:
-    record = record_of("none", 2)
+    u_V = good(np.random.default_rng(2), 8000, 0.0, 100.0)
+    straight = run(dataclasses.replace(Stage.nominal(), memory=None), u_V, 1e-3, seed=2)
+    record = Record.from_arrays(u_V, straight.displacement_um, 1e-3)
     found = diagnose(record, settings=dataclasses.replace(QUICK, fit=FitSettings(rules=3, certified=False)))
     assert found.names == ()
     assert found.model.grid.rules == 3
@@ -142,3 +146,12 @@ def test_short_record_is_refused_in_one_line() -> None:
     u_V = np.sin(np.linspace(0, 20, 300))
     with pytest.raises(RecordError, match="a diagnosis needs 400; record longer"):
         diagnose(Record.from_arrays(u_V, 0.1 * u_V, 1e-3))
+
+
+@pytest.mark.parametrize("beyond_V", [35.0, 0.0])
+def test_rows_beyond_the_range_that_was_identified_are_the_reason_for_what_is_left(beyond_V: float) -> None:
+    u_V = good(np.random.default_rng(3), 9000, 0.0, 60.0)
+    u_V[6500:] += np.linspace(0.0, beyond_V, 2500)
+    y_um = run(Stage.nominal(), u_V, 1e-3, seed=4).displacement_um
+    left = diagnose(Record.from_arrays(u_V, y_um, 1e-3), settings=QUICK).remaining
+    assert bool(re.search(r"the fitted ones through [\d.]+ \.\. 60 V", left.reason)) == bool(beyond_V)

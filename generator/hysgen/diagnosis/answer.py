@@ -21,14 +21,16 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain, left_by
 from hysgen.diagnosis.prepare import Prepared
-from hysgen.diagnosis.probe import Chain
+from hysgen.diagnosis.probe import Chain, Scene
 from hysgen.diagnosis.probe.solve import training_fit
 from hysgen.diagnosis.search import thinned
 from hysgen.model.model import Model
 from hysgen.model.remaining import Remaining, Taken
 from hysgen.record.noise import NoiseFloor
+from hysgen.record.series import COVERED
 
 Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -280,8 +282,10 @@ def left_over(
     falling: what a hysteresis that may fall leaves, asked where something is left, the stage remembers, and the probe,
     which is bound to no form, leaves less.
     """
-    probe = left_by(prepared, extensions, _probe_error_um(prepared, chain), model, finer=True)
-    reason = _reason(model.rms_um, probe.rms_um, noise_um)
+    scene = prepared.scene(whole=True)
+    known = scene.rows[scene.rows < prepared.cut]
+    probe = left_by(prepared, extensions, _probe_error_um(scene, known, chain), model, finer=True)
+    reason = _reason(model.rms_um, probe.rms_um, noise_um, _beyond(prepared, known))
     worth_um = WORTH_ANOTHER_FORM * model.rms_um
     left = model.rms_um > AT_THE_NOISE * noise_um and probe.rms_um <= worth_um
     if left and remembers and (other_um := falling().rms_um) <= worth_um:
@@ -289,21 +293,35 @@ def left_over(
     return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 
 
-def _probe_error_um(prepared: Prepared, chain: Chain) -> Floats:
-    """(n,) yhat - y of a chain over all rows, its weights fitted to the identification part.
+def _probe_error_um(scene: Scene, known: Rows, chain: Chain) -> Floats:
+    """(n,) yhat - y of a chain over all rows, its weights fitted to the known rows, those of the identification part.
 
     Slow changes that the models are fitted without are parts of the chain, and so are no part of this error.
     """
-    scene = prepared.scene(whole=True)
-    known = scene.rows[scene.rows < prepared.cut]
     fit = training_fit(thinned(scene.using(known)), chain)
     return np.asarray(scene.seen(scene.moved_paths(chain, fit.weights), chain, fit.weights) - scene.y_um)
 
 
-def _reason(rms_um: float, probe_um: float, noise_um: float) -> str:
-    """Where the difference between the model, the probe and the noise lies."""
+def _beyond(prepared: Prepared, known: Rows) -> str:
+    """That the held-out rows leave the range of the fitted ones, in words; "" if these cover it but for 1 - COVERED."""
+    seen_V, held_V = prepared.u_V[known], prepared.u_V[prepared.held_rows]
+    both_V = np.concatenate([seen_V, held_V])
+    if np.ptp(seen_V) >= COVERED * np.ptp(both_V):
+        return ""
+    ends = (held_V.min(), held_V.max(), seen_V.min(), seen_V.max())
+    low_V, high_V, from_V, to_V = (f"{float(end_V):.4g}" for end_V in ends)
+    return (
+        f"the held-out rows go through {low_V} .. {high_V} V, the fitted ones through {from_V} .. {to_V} V: beyond "
+        "these the stage was never seen; identify from rows that cover the range"
+    )
+
+
+def _reason(rms_um: float, probe_um: float, noise_um: float, beyond: str) -> str:
+    """Where the difference between the model, the probe and the noise lies. beyond: of `_beyond`."""
     if rms_um <= AT_THE_NOISE * noise_um:
         return "the model is at the noise"
+    if beyond:
+        return beyond
     if rms_um > AT_THE_NOISE * probe_um:
         return "the difference is the form of the model, not the record"
     if probe_um <= AT_THE_NOISE * noise_um:
