@@ -21,7 +21,7 @@ from hysgen_c674x.machine import Machine
 NEVER = 0xFFFFFFFF
 BITS = (NEVER, 0, 0x5A5AA5A5)
 """Bits of the last word that change: by turns."""
-LATE = "    return 1u;\n}\n\nvolatile uint16_t *hysgen_board_record"
+LATE = "    return 1u;\n}\n\nvoid hysgen_board_calibrate"
 
 
 def store(target: Machine) -> None:

@@ -24,7 +24,12 @@ static inline void bank_copy(model_bank_t *to, const model_bank_t *from)
 #endif
 }
 
-/* Check word of the parameters, in the order of an image. */
+#define BANK_WORDS (3u * MODEL_RULES + MODEL_WEIGHTS)
+
+/* Word i of the parameters, in the order of an image. */
+uint32_t hysgen_bank_word(const model_bank_t *bank, uint32_t i);
+
+/* Check word of all of them. */
 uint32_t hysgen_bank_check(const model_bank_t *bank);
 
 LINKAGE_END

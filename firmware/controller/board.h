@@ -1,7 +1,7 @@
 /* board.h: what the firmware asks of a board. One folder of firmware/board/ per board implements it.
  *
  * board_t is the board's own struct, defined in its board_type.h; main owns the only instance.
- * Called in the 50 kHz interrupt: the first ten. Called at boot: the eleventh and the next three. Called in the idle loop: the others. */
+ * Called in the 50 kHz interrupt: the first ten. Called at boot: the eleventh and the next four. Called in the idle loop: the others. */
 
 #ifndef BOARD_H
 #define BOARD_H
@@ -65,6 +65,9 @@ uint32_t *hysgen_board_kept(board_t *board);
 /* 1 if the power came on, 0 if the processor started again under power. */
 uint32_t hysgen_board_power_on(board_t *board);
 
+/* Calibration: displacement_um gives zero_um + gain_um * what it gave as built, voltage puts out zero_V + gain_V * its voltage, as built. */
+void hysgen_board_calibrate(board_t *board, float zero_um, float gain_um, float zero_V, float gain_V);
+
 /* Memory for BOARD_RECORD words of 16 bits, see play.h; its content at power on does not matter. */
 volatile uint16_t *hysgen_board_record(board_t *board);
 
@@ -73,6 +76,9 @@ board_span_t hysgen_board_code(board_t *board);
 
 /* The stack from its far end, which is used last, as far as start-up has filled it with BOARD_STACK_FILL. */
 board_span_t hysgen_board_stack(board_t *board);
+
+/* Voltage behind the D/A as the board reads it back, by the scale as built; NaN if it does not. */
+float hysgen_board_read_back_V(const board_t *board);
 
 /* Bytes that arrived on the line, at most `room`; returns how many. A byte that finds the buffer full is lost. */
 uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room);

@@ -210,7 +210,7 @@ static float controller_follow(controller_t *self, float reference_um)
     float u_V;
 
     status = hysgen_watchdog_follow(
-        &self->watchdog, settings, (learns != 0u) ? self->start_um + self->offset_um : self->expected_um[now]);
+        &self->watchdog, (learns != 0u) ? self->start_um + self->offset_um : self->expected_um[now]);
     if ((settings->options & SETTINGS_TRIM) != 0u) {
         if (hysgen_trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
             status |= STATUS_TRIM_LIMITED;
@@ -431,7 +431,7 @@ static void controller_watch_amplifier(controller_t *self, uint32_t amplifier)
     if (self->state == CONTROLLER_POWER) {
         self->powered = (amplifier == 0u) ? self->powered + 1u : 0u;
     } else if (hysgen_controller_drives(self) != 0u) {
-        self->status |= hysgen_watchdog_amplifier(&self->watchdog, self->settings, amplifier);
+        self->status |= hysgen_watchdog_amplifier(&self->watchdog, amplifier);
     } else {
         /* Off. */
     }
@@ -472,7 +472,7 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     if (self->request != CONTROLLER_NO_REQUEST) {
         controller_take_request(self);
     }
-    self->status |= hysgen_watchdog_reading(&self->watchdog, settings, y_um, self->output_V) | self->damaged;
+    self->status |= hysgen_watchdog_reading(&self->watchdog, y_um, self->output_V) | self->damaged;
     controller_watch_amplifier(self, amplifier);
     controller_trip(self);
     state_V = controller_voltage(self, reference_um);
@@ -538,5 +538,5 @@ void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overru
     if (lost != 0u) {
         self->status |= STATUS_INTERRUPT_LOST;
     }
-    self->status |= hysgen_watchdog_time(&self->watchdog, self->settings, cycles, overrun | lost);
+    self->status |= hysgen_watchdog_time(&self->watchdog, cycles, overrun | lost);
 }

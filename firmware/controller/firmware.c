@@ -10,6 +10,9 @@
 /* Kept over a reset: the first fault, and the same word with these bits turned. */
 #define FIRMWARE_KEPT 0x5AFE0FFFu
 
+/* Parameters and settings, of an image. */
+#define FIRMWARE_KEPT_WORDS (BANK_WORDS + SETTINGS_WORDS)
+
 /* Samples until an idle loop that does not come back is left to the hardware's watchdog: 1 s, more than twice the erasing of a slot. */
 #define FIRMWARE_IDLE_SAMPLES 50000u
 
@@ -23,6 +26,9 @@ static void firmware_keep(board_t *board, uint32_t fault)
 
 void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
+    const settings_t *used = &self->settings;
+    model_bank_t bank;
+
     self->received = 0u;
     self->image_arrives = 0u;
     self->image_status = 0u;
@@ -31,7 +37,6 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     self->image_pending = 0u;
     self->commit_answer = MODEL_BUSY;
     self->commits = 0u;
-    self->commit_last = 0u;
     self->committing = 0u;
     self->ticked = 0u;
     self->cycles_last = 0u;
@@ -42,9 +47,30 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     self->lease = 0u;
     self->heard = 0u;
     hysgen_link_init(&self->link);
-    self->settings_wrong = hysgen_settings_check(settings);  /* [S3] */
-    hysgen_controller_init(&self->controller, settings, (self->settings_wrong == NULL) ? settings->off_V : BOARD_SAFE_V);
+    self->built_in = settings;
+    for (uint32_t i = 0u; i < SETTINGS_WORDS; ++i) {
+        hysgen_settings_put(&self->settings, i, hysgen_settings_word(settings, i));
+    }
+    if (hysgen_store_load(&self->store, board, owner, &self->bench, &bank) != 0u) {
+        self->image_status = STATUS_IMAGE_FALLBACK;
+    }
+    if (self->store.slot != STORE_NONE) {
+        hysgen_image_settings(self->store.bytes, settings, &self->settings);
+    }
+    for (uint32_t i = 0u; i < SETTINGS_WORDS; ++i) {
+        hysgen_settings_put(&self->next, i, hysgen_settings_word(used, i));
+    }
+    self->settings_wrong = hysgen_settings_check(used);  /* [S3] */
+    hysgen_controller_init(&self->controller, used, (self->settings_wrong == NULL) ? used->off_V : BOARD_SAFE_V);
+    if (self->store.slot != STORE_NONE) {
+        (void)hysgen_controller_install(&self->controller, &bank, hysgen_image_numbers(self->store.bytes));
+    }
     hysgen_play_init(&self->controller.play, hysgen_board_record(board));
+    if (self->settings_wrong == NULL) {
+        hysgen_board_calibrate(board, used->reading_zero_um, used->reading_gain, used->output_zero_V, used->output_gain);
+    } else {
+        hysgen_board_calibrate(board, 0.0f, 1.0f, 0.0f, 1.0f);
+    }
     if (hysgen_board_power_on(board) == 0u) {
         const uint32_t *kept = hysgen_board_kept(board);
 
@@ -59,13 +85,7 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
     if (self->selftest != 0u) {
         self->controller.status |= STATUS_FAULT_SELFTEST;
     }
-    if (hysgen_store_load(&self->store, board, owner, &self->bench, &self->controller.bank) != 0u) {
-        self->image_status = STATUS_IMAGE_FALLBACK;
-    }
-    hysgen_integrity_init(&self->integrity, board);
-    if (self->store.slot != STORE_NONE) {
-        self->controller.bank_check = hysgen_image_numbers(self->store.bytes);
-    }
+    hysgen_integrity_init(&self->integrity, board, used);
 }
 
 void hysgen_firmware_interrupt(firmware_t *self, board_t *board)
@@ -103,7 +123,7 @@ void hysgen_firmware_panic(const firmware_t *self, board_t *board)
     firmware_keep(board, self->controller.first | STATUS_FAULT_EXCEPTION);
 }
 
-static void firmware_answer_status(firmware_t *self)
+static void firmware_answer_status(firmware_t *self, const board_t *board)
 {
     const controller_t *controller = &self->controller;
     link_t *link = &self->link;
@@ -128,6 +148,7 @@ static void firmware_answer_status(firmware_t *self)
     hysgen_link_add(link, self->cycles_most);
     hysgen_link_add(link, self->selftest);
     hysgen_link_add(link, 4u * self->integrity.unused);
+    hysgen_link_add(link, number_bits(hysgen_board_read_back_V(board)));
 }
 
 static void firmware_answer_identity(firmware_t *self)
@@ -233,6 +254,18 @@ static void firmware_answer_trace(firmware_t *self, uint32_t place)
     }
 }
 
+/* What an image made of it would hold. */
+static void firmware_answer_kept(firmware_t *self, uint32_t place)
+{
+    const uint32_t end = (place < FIRMWARE_KEPT_WORDS) ? place + (LINK_CHUNK / 4u) : 0u;
+
+    hysgen_link_add(&self->link, 4u * FIRMWARE_KEPT_WORDS);
+    for (uint32_t i = place; (i < end) && (i < FIRMWARE_KEPT_WORDS); ++i) {
+        hysgen_link_add(&self->link, (i < BANK_WORDS) ? hysgen_bank_word(&self->controller.bank, i)
+                                                      : hysgen_settings_word(&self->next, i - BANK_WORDS));
+    }
+}
+
 static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
 {
     uint8_t code = LINK_LENGTH;
@@ -317,7 +350,7 @@ static uint8_t firmware_piece(firmware_t *self, const uint8_t *data, uint32_t co
 }
 
 /* A command and its answer. */
-static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t count)
+static void firmware_obey(firmware_t *self, const board_t *board, const uint8_t *command, uint32_t count)
 {
     const uint8_t kind = command[0];
     const uint8_t number = (count > 1u) ? command[1] : 0u;
@@ -337,6 +370,11 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
         code = firmware_table(self, data, length);
     } else if ((kind == LINK_RECORD) || (kind == LINK_TRACE)) {
         code = (length == 4u) ? LINK_DONE : LINK_LENGTH;
+    } else if (kind == LINK_KEPT) {
+        code = (length == 4u) ? LINK_DONE : LINK_LENGTH;
+        if ((code == LINK_DONE) && (firmware_rests(self) == 0u)) {
+            code = LINK_VALUE;
+        }
     } else if ((kind == LINK_STATUS) || (kind == LINK_IDENTIFY)) {
         code = (length == 0u) ? LINK_DONE : LINK_LENGTH;
     } else {
@@ -344,7 +382,7 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     }
     hysgen_link_answer(&self->link, kind, number, code);
     if ((code == LINK_DONE) && (kind == LINK_STATUS)) {
-        firmware_answer_status(self);
+        firmware_answer_status(self, board);
     }
     if ((code == LINK_DONE) && (kind == LINK_IDENTIFY)) {
         firmware_answer_identity(self);
@@ -354,6 +392,9 @@ static void firmware_obey(firmware_t *self, const uint8_t *command, uint32_t cou
     }
     if ((code == LINK_DONE) && (kind == LINK_TRACE)) {
         firmware_answer_trace(self, bytes_word(data) >> 2);
+    }
+    if ((code == LINK_DONE) && (kind == LINK_KEPT)) {
+        firmware_answer_kept(self, bytes_word(data) >> 2);
     }
     hysgen_link_close(&self->link);
 }
@@ -386,7 +427,7 @@ static void firmware_line(firmware_t *self, board_t *board)
             if (count != 0u) {
                 self->heard = self->controller.samples;
                 if (sends == 0u) {
-                    firmware_obey(self, command, count);
+                    firmware_obey(self, board, command, count);
                 } else if ((count == 3u) && (command[0] == LINK_REQUEST) && (command[2] == CONTROLLER_STOP)) {
                     self->controller.request = CONTROLLER_STOP;
                 } else {
@@ -413,6 +454,7 @@ static void firmware_take_image(firmware_t *self, board_t *board)
         self->image_status |= STATUS_IMAGE_REFUSED;
     } else {
         (void)hysgen_controller_install(&self->controller, &bank, hysgen_image_numbers(self->store.bytes));
+        hysgen_image_settings(self->store.bytes, self->built_in, &self->next);
     }
 }
 
@@ -443,7 +485,7 @@ static void firmware_commit(firmware_t *self)
         self->committing = 0u;
         return;
     }
-    if ((self->committing == 0u) && (controller->samples - self->commit_last < controller->settings->commit_pause)) {
+    if ((self->committing == 0u) && (controller->learner.age < MODEL_COMMIT_MATURE)) {
         return;
     }
     self->committing = 1u;
@@ -453,7 +495,6 @@ static void firmware_commit(firmware_t *self)
     if ((answer != MODEL_BUSY) && (answer != MODEL_TRYING)) {
         self->committing = 0u;
         self->commit_answer = answer;
-        self->commit_last = controller->samples;
         self->commits += (uint32_t)(answer == MODEL_COMMITTED);
     }
 }

@@ -20,6 +20,9 @@ typedef struct {
     image_bench_t bench;
     link_t link;
     integrity_t integrity;
+    const settings_t *built_in;  /* settings that the firmware was built with, */
+    settings_t settings;         /* those in use since boot, of the image or built in, */
+    settings_t next;             /* and those of the next boot */
     volatile float asked_um;         /* reference from the link [um], */
     uint32_t lease;              /* samples without a frame until STOP, 0: none; */
     uint32_t heard;              /* sample of the last frame */
@@ -33,7 +36,6 @@ typedef struct {
     uint32_t image_pending;      /* bytes in `incoming` wait until the controller is off */
     uint32_t commit_answer;      /* of the commit that was finished last */
     uint32_t commits;            /* that made a shadow active */
-    uint32_t commit_last;        /* sample of the last attempt */
     uint32_t committing;         /* an attempt is under way, over several calls of hysgen_firmware_idle */
     uint32_t ticked;             /* sample after which hysgen_firmware_idle worked last */
     uint32_t entered;            /* cycle counter at the last interrupt */
@@ -43,7 +45,7 @@ typedef struct {
     uint32_t selftest;           /* mismatches at boot; 0: this processor computes what was verified */
 } firmware_t;
 
-/* Self-test, parameters from the store, everything off. The interrupt may be enabled afterwards. */
+/* Self-test, parameters and settings from the store, everything off. `settings`: where the store has none. The interrupt may be enabled afterwards. */
 void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner);
 
 /* Every 20 us. */

@@ -1,6 +1,7 @@
 #include "image.h"
 
-#include "bank.h"
+#include <stddef.h>
+
 #include "bytes.h"
 #include "crc32.h"
 #include "number.h"
@@ -40,6 +41,27 @@ uint32_t hysgen_image_numbers(const uint8_t *bytes)
         check = bytes_check(check, hysgen_image_word(bytes, IMAGE_HEADER + i));
     }
     return check;
+}
+
+/* 1 if the image has settings of its own. */
+static uint32_t image_has_settings(const uint8_t *bytes)
+{
+    uint32_t any = 0u;
+
+    for (uint32_t i = 0u; i < SETTINGS_WORDS; ++i) {
+        any |= hysgen_image_word(bytes, IMAGE_SETTINGS + i);
+    }
+    return (uint32_t)(any != 0u);
+}
+
+void hysgen_image_settings(const uint8_t *bytes, const settings_t *built_in, settings_t *settings)
+{
+    const uint32_t own = image_has_settings(bytes);
+
+    for (uint32_t i = 0u; i < SETTINGS_WORDS; ++i) {
+        hysgen_settings_put(
+            settings, i, (own != 0u) ? hysgen_image_word(bytes, IMAGE_SETTINGS + i) : hysgen_settings_word(built_in, i));
+    }
 }
 
 uint32_t hysgen_image_keyed(const image_owner_t *owner)
@@ -114,6 +136,10 @@ uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_
     model_bank_t *offered;
     uint32_t answer = MODEL_BUSY;
 
+    hysgen_image_settings(bytes, &bench->settings, &bench->settings);
+    if ((image_has_settings(bytes) != 0u) && (hysgen_settings_check(&bench->settings) != NULL)) {
+        return IMAGE_RISKY;
+    }
     model_init(&bench->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     offered = &bench->model.bank[bench->model.active];
     for (uint32_t l = 0u; l < MODEL_RULES; ++l) {

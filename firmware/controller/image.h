@@ -11,11 +11,12 @@
  *     11      build: MODEL_BUILD of the firmware that it is for, or 0 for any with this structure
  *     12      counter: larger than the largest seen, by IMAGE_STRIDE at most
  *     13 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
+ *      then   the words of settings_t; all 0: those that the firmware was built with
  *      then   CRC-32 of all bytes before
  *      last   two words: SipHash-2-4 of all bytes before, with the owner's key, the low word first
  *
  * An image is whole (size, CRC), authentic (MAC), right (magic, version, digest, rules, weights, device, build), of numbers (finite,
- * no denormals), and certified: gain, slope and the terms' loop stay within the limits that the model's own commit keeps. Otherwise
+ * no denormals, settings that may run), and certified: gain, slope and the terms' loop stay within the limits that the model's own commit keeps. Otherwise
  * it is refused and nothing changes. */
 
 #ifndef IMAGE_H
@@ -23,19 +24,22 @@
 
 #include <stdint.h>
 
+#include "bank.h"
 #include "linkage.h"
 #include "model.h"
+#include "settings.h"
 
 LINKAGE_BEGIN
 
 #define IMAGE_MAGIC    0x49535948u
-#define IMAGE_VERSION  2u
+#define IMAGE_VERSION  3u
 #define IMAGE_DEVICE   9u
 #define IMAGE_BUILD    11u
 #define IMAGE_COUNTER  12u
 #define IMAGE_HEADER   13u
-#define IMAGE_NUMBERS  (3u * MODEL_RULES + MODEL_WEIGHTS)
-#define IMAGE_CRC      (IMAGE_HEADER + IMAGE_NUMBERS)
+#define IMAGE_NUMBERS  BANK_WORDS
+#define IMAGE_SETTINGS (IMAGE_HEADER + IMAGE_NUMBERS)
+#define IMAGE_CRC      (IMAGE_SETTINGS + SETTINGS_WORDS)
 #define IMAGE_MAC      (IMAGE_CRC + 1u)
 #define IMAGE_WORDS    (IMAGE_MAC + 2u)
 #define IMAGE_BYTES    (4u * IMAGE_WORDS)
@@ -53,6 +57,7 @@ LINKAGE_BEGIN
 #define IMAGE_STRANGE      14u /* for another device */
 #define IMAGE_OTHER_BUILD  15u /* for another build of the firmware */
 #define IMAGE_KEYLESS      17u /* the owner's key is all zeros, which is no secret: no image is taken */
+#define IMAGE_RISKY        18u /* hysgen_settings_check refuses its settings */
 #define IMAGE_REPLAYED     16u /* its counter is not larger than the largest seen, or by more than IMAGE_STRIDE */
 
 /* Most that a counter rises at once: no image can use the counters up. */
@@ -68,6 +73,7 @@ typedef struct {
 typedef struct {
     model_t model;
     model_learner_t learner;
+    settings_t settings;
 } image_bench_t;
 
 /* 1 if the owner has a key. */
@@ -76,11 +82,14 @@ uint32_t hysgen_image_keyed(const image_owner_t *owner);
 /* Whole, authentic, right and of numbers? */
 uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);
 
-/* The certificates of an image that hysgen_image_check found good. If they hold, its numbers are in *bank. */
+/* The certificates of an image that hysgen_image_check found good, and the check of its settings. If they hold, its numbers are in *bank. */
 uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
 
 /* Check word of the image's numbers: hysgen_bank_check of the parameters that they become. */
 uint32_t hysgen_image_numbers(const uint8_t *bytes);
+
+/* The image's settings, or those that the firmware was built with where it has none. */
+void hysgen_image_settings(const uint8_t *bytes, const settings_t *built_in, settings_t *settings);
 
 /* Word i of the image. */
 uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i);

@@ -2,15 +2,17 @@
 
 #include "bytes.h"
 
-/* Takes the next words of the code into the round. */
+/* Takes the next words of code and settings into the round. */
 static void integrity_take(integrity_t *self)
 {
     uint32_t partial = self->partial;
     uint32_t at = self->at;
 
     for (uint32_t i = 0u; i < INTEGRITY_WORDS; ++i) {
-        if (at < self->code.count) {
-            partial = bytes_check(partial, self->code.words[at]);
+        if (at < self->words) {
+            const uint32_t code = self->code.count;
+
+            partial = bytes_check(partial, (at < code) ? self->code.words[at] : hysgen_settings_word(self->settings, at - code));
             at += 1u;
         }
     }
@@ -18,13 +20,15 @@ static void integrity_take(integrity_t *self)
     self->at = at;
 }
 
-void hysgen_integrity_init(integrity_t *self, board_t *board)
+void hysgen_integrity_init(integrity_t *self, board_t *board, const settings_t *settings)
 {
     self->code = hysgen_board_code(board);
+    self->settings = settings;
+    self->words = self->code.count + SETTINGS_WORDS;
     self->stack = hysgen_board_stack(board);
     self->partial = 1u;
     self->at = 0u;
-    while (self->at < self->code.count) {
+    while (self->at < self->words) {
         integrity_take(self);
     }
     self->check = self->partial;
@@ -42,7 +46,7 @@ uint32_t hysgen_integrity_step(integrity_t *self)
     uint32_t ends = 0u;
 
     integrity_take(self);
-    if (self->at >= self->code.count) {
+    if (self->at >= self->words) {
         damaged = (uint32_t)(self->partial != self->check);
         self->partial = 1u;
         self->at = 0u;

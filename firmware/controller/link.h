@@ -13,7 +13,7 @@
 
 LINKAGE_BEGIN
 
-#define LINK_VERSION    4u
+#define LINK_VERSION    5u
 #define LINK_STATUS     1u  /* no data; answer: LINK_STATUS_WORDS words, see firmware.c */
 #define LINK_REQUEST    2u  /* one byte: CONTROLLER_START, _STOP, _CLEAR or _RECORD */
 #define LINK_REFERENCE  3u  /* a word: reference [um] from now on, in place of the board's; none: the board's again. A second
@@ -23,6 +23,8 @@ LINKAGE_BEGIN
 #define LINK_TABLE      6u  /* a word: offset in bytes; then up to LINK_CHUNK bytes of its codes, at rest. Offset 0 begins a table */
 #define LINK_RECORD     7u  /* a word: offset in bytes; answer: samples played, then LINK_CHUNK bytes of codes, see play.h */
 #define LINK_TRACE      8u  /* a word: offset in bytes; answer: samples traced, then LINK_CHUNK bytes of words, see trace.h */
+#define LINK_KEPT       9u  /* a word: offset in bytes; answer: how many there are, then LINK_CHUNK bytes: the words of an image from
+                             * IMAGE_HEADER to IMAGE_CRC, with which the next start and the next boot begin. At rest */
 #define LINK_ANSWER     0x80u
 
 #define LINK_DONE       0u
@@ -31,7 +33,7 @@ LINKAGE_BEGIN
 #define LINK_VALUE      3u  /* data out of range or order */
 
 #define LINK_CHUNK           64u
-#define LINK_STATUS_WORDS    20u
+#define LINK_STATUS_WORDS    21u
 #define LINK_IDENTITY_WORDS  23u
 
 typedef struct {

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "board.h"
+#include "bytes.h"
 #include "model.h"
 #include "number.h"
 
@@ -14,7 +15,10 @@ typedef struct {
 } settings_range_t;
 
 #define SETTINGS_LONGEST  30000000u  /* samples of a state: 10 minutes */
-#define SETTINGS_SLOWEST  50000u     /* samples until a guard acts: a second */
+
+/* Converters against the scales that the board was built with: what is further away is a mistake, or a broken part. */
+#define SETTINGS_GAIN  0.1f
+#define SETTINGS_ZERO  0.05f  /* of the range */
 
 #define SETTINGS_STEP_SHARE 0.0625f  /* of the model's inputs, see WATCHDOG_JUMP_SHARE */
 #define SETTINGS_SHORTEST 64u        /* samples of HOLD: a mean of so many readings has an eighth of their noise */
@@ -22,11 +26,27 @@ typedef struct {
 /* Trim gain up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
 #define SETTINGS_TRIM_INTEGRAL    (0.1f / ((float)MODEL_PREVIEW + 1.0f))
 
+uint32_t hysgen_settings_word(const settings_t *settings, uint32_t i)
+{
+    const uint8_t *bytes = (const uint8_t *)settings;
+
+    return bytes_word(&bytes[4u * i]);
+}
+
+void hysgen_settings_put(settings_t *settings, uint32_t i, uint32_t word)
+{
+    uint8_t *bytes = (uint8_t *)settings;
+
+    bytes_put(&bytes[4u * i], word);
+}
+
 /* [S3] */
 const char *hysgen_settings_check(const settings_t *settings)
 {
     const settings_t *s = settings;
     const float range_um = MODEL_Y_MAX_UM - MODEL_Y_MIN_UM;
+    const float zero_um = SETTINGS_ZERO * (BOARD_HIGH_UM - BOARD_LOW_UM);
+    const float zero_V = SETTINGS_ZERO * (BOARD_HIGH_V - BOARD_LOW_V);
     const float time = (float)s->state_samples;
     /* Smallest change that may count as one: smaller than any step of a converter, larger than 0. */
     const float least = 1.0e-9f;
@@ -45,10 +65,13 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "loop_high_V", s->loop_high_V, s->loop_low_V + least, high_V },
         { "offset_um", s->offset_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
-        { "stuck_V", s->stuck_V, least, MODEL_U_MAX_V - MODEL_U_MIN_V },
         { "follow_um", s->follow_um, 0.0f, range_um },
         { "trim_integral", s->trim_integral, 0.0f, SETTINGS_TRIM_INTEGRAL },
         { "trim_limit_um", s->trim_limit_um, 0.0f, 0.5f * range_um },
+        { "reading_zero_um", s->reading_zero_um, -zero_um, zero_um },
+        { "reading_gain", s->reading_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
+        { "output_zero_V", s->output_zero_V, -zero_V, zero_V },
+        { "output_gain", s->output_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
     };
     const struct {
         const char *field;
@@ -60,8 +83,6 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "state_samples", s->state_samples, 1u, SETTINGS_LONGEST },
         { "power_samples", s->power_samples, 1u, s->state_samples - 1u },
         { "hold_samples", s->hold_samples, SETTINGS_SHORTEST, s->state_samples - 1u },
-        { "follow_samples", s->follow_samples, 1u, SETTINGS_SLOWEST },
-        { "bad_samples", s->bad_samples, 1u, SETTINGS_SLOWEST },
     };
     const char *wrong = NULL;
 

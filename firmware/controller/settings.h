@@ -41,29 +41,35 @@ typedef struct {
     /* Reference. */
     float reference_step_um;  /* largest change per sample */
 
-    /* Watchdog. Readings outside BOARD_LOW_UM .. BOARD_HIGH_UM are no displacements. */
-    float stuck_V;             /* the input moved this far while the reading stayed the same to the last bit */
-    /* |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
+    /* Watchdog, see watchdog.h. |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
      * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. 0: 2 % of the
      * model's range and 4 times the error that START found on the way back of LOOP and in HOLD, 16 % at most. */
     float follow_um;
-    uint32_t follow_samples;   /* and for how many samples (leaky count, see watchdog.h) */
-    uint32_t bad_samples;      /* so many readings that are none, amplifier limits or late samples (leaky counts) */
 
     /* Feedback trim, see trim.h. */
     float trim_integral;    /* share of the residual that one sample adds */
     float trim_limit_um;
 
-    /* Learning: samples between two attempts to commit. */
-    uint32_t commit_pause;
+    /* Calibration of the converters, against the scales that the board was built with; as built: 0, 1, 0, 1.
+     * reading = reading_zero_um + reading_gain * as built; put out: output_zero_V + output_gain * voltage, as built. */
+    float reading_zero_um;
+    float reading_gain;
+    float output_zero_V;
+    float output_gain;
 } settings_t;
+
+#define SETTINGS_WORDS 20u  /* float32 and uint32_t */
 
 /* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's; low_V < off_V,
  * loop < high_V, the loop inside the model's range of inputs; step_V at most a sixteenth of that range; ramp_V at most step_V, and such
  * that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the
- * model's range or slower than a second; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and
+ * model's range; converters within 10 % of their scales, and 5 % of their ranges; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and
  * a half of the model's gain (tests/firmware/test_trim.py). */
 const char *hysgen_settings_check(const settings_t *settings);
+
+/* Word i of the settings, in the order above, for an image; and the other way. */
+uint32_t hysgen_settings_word(const settings_t *settings, uint32_t i);
+void hysgen_settings_put(settings_t *settings, uint32_t i, uint32_t word);
 
 LINKAGE_END
 

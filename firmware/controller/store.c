@@ -73,7 +73,7 @@ static uint32_t store_judge(store_t *self, image_bench_t *bench, model_bank_t *b
 static uint32_t store_authentic(uint32_t answer)
 {
     return (uint32_t)(answer == IMAGE_GOOD) | (uint32_t)(answer == IMAGE_OTHER_BUILD) | (uint32_t)(answer == IMAGE_NO_NUMBER)
-        | ((uint32_t)(answer > IMAGE_UNCERTIFIED) & (uint32_t)(answer < IMAGE_FORGED));
+        | (uint32_t)(answer == IMAGE_RISKY)        | ((uint32_t)(answer > IMAGE_UNCERTIFIED) & (uint32_t)(answer < IMAGE_FORGED));
 }
 
 uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)

@@ -47,7 +47,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
 }
 
 /* [S4] */
-uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V)
+uint32_t hysgen_watchdog_reading(watchdog_t *self, float y_um, float u_V)
 {
     uint32_t status = 0u;
 
@@ -66,10 +66,10 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, f
     }
     self->raw_um = y_um;
     self->sample_um = (status == 0u) ? y_um : number_of(NUMBER_NAN);
-    if (watchdog_count(&self->unread, (uint32_t)(status != 0u), settings->bad_samples) != 0u) {
+    if (watchdog_count(&self->unread, (uint32_t)(status != 0u), WATCHDOG_BAD) != 0u) {
         status |= STATUS_FAULT_SENSOR;
     }
-    if ((self->same >= WATCHDOG_STUCK) && (number_size(u_V - self->same_V) >= settings->stuck_V)) {
+    if ((self->same >= WATCHDOG_STUCK) && (number_size(u_V - self->same_V) >= WATCHDOG_STUCK_V)) {
         status |= STATUS_FAULT_STUCK;
     }
     return status;
@@ -85,17 +85,17 @@ void hysgen_watchdog_judge(watchdog_t *self, const settings_t *settings, float e
 }
 
 /* [S5] */
-uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um)
+uint32_t hysgen_watchdog_follow(watchdog_t *self, float expected_um)
 {
     const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > self->follow_um);
 
-    return (watchdog_count(&self->astray, far, settings->follow_samples) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
+    return (watchdog_count(&self->astray, far, WATCHDOG_ASTRAY) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
 }
 
-uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier)
+uint32_t hysgen_watchdog_amplifier(watchdog_t *self, uint32_t amplifier)
 {
     const uint32_t limits = (uint32_t)((amplifier & BOARD_AMPLIFIER_LIMITS) != 0u);
-    const uint32_t lasts = watchdog_count(&self->limits, limits, settings->bad_samples);
+    const uint32_t lasts = watchdog_count(&self->limits, limits, WATCHDOG_BAD);
     const uint32_t failed = watchdog_count(&self->failed, amplifier & BOARD_AMPLIFIER_FAILED, WATCHDOG_DEBOUNCE);
     uint32_t status = limits * STATUS_AMPLIFIER_LIMITS;
 
@@ -106,11 +106,11 @@ uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings,
 }
 
 /* [S7] */
-uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun)
+uint32_t hysgen_watchdog_time(watchdog_t *self, uint32_t cycles, uint32_t overrun)
 {
     const uint32_t late = (uint32_t)(cycles > BOARD_PERIOD_CYCLES) | overrun;
 
-    if (watchdog_count(&self->late, late, settings->bad_samples) != 0u) {
+    if (watchdog_count(&self->late, late, WATCHDOG_BAD) != 0u) {
         return STATUS_DEADLINE_MISSED | STATUS_FAULT_DEADLINE;
     }
     return (late != 0u) ? STATUS_DEADLINE_MISSED : 0u;

@@ -15,9 +15,17 @@ LINKAGE_BEGIN
  * ones (1.1 ms): sparse noise never adds up, and trim and learner have at least 8 of 9 readings. */
 #define WATCHDOG_LEAK 8u
 
+/* Readings that are none, amplifier limits or late samples, and samples in which the stage does not follow, until they are a fault. */
+#define WATCHDOG_BAD    8u
+#define WATCHDOG_ASTRAY 50u
+
 /* Samples for which a reading repeats itself at least until it counts as stuck: more than delay and lag of a stage, so that a jump of the
  * input does not count before the sensor can have seen it. */
 #define WATCHDOG_STUCK 64u
+
+/* The same reading to the last bit is a fault once the input has moved this far: the stage moves by less than the bound of
+ * hysgen_watchdog_judge then. */
+#define WATCHDOG_STUCK_V ((MODEL_U_MAX_V - MODEL_U_MIN_V) * 0.015625f)
 
 /* Change of a reading per sample beyond which it is none, as a share of the model's range. The largest step_V is a sixteenth of the
  * model's inputs: a stage whose slope is twice the mean one, and that has no lag at all, moves as far. A reading as far from the last
@@ -56,20 +64,20 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings);
 
 /* A reading [um] that came while the input was u_V. self->reading_um is the reading that control uses, the last good one
  * where this one is none; self->sample_um is NaN there, so that a learner rejects the sample. Returns STATUS_ bits. */
-uint32_t hysgen_watchdog_reading(watchdog_t *self, const settings_t *settings, float y_um, float u_V);
+uint32_t hysgen_watchdog_reading(watchdog_t *self, float y_um, float u_V);
 
 /* From here on the stage follows a model whose own error is error_um: within follow_um of the settings, or, where that is 0, within what
  * the error says. */
 void hysgen_watchdog_judge(watchdog_t *self, const settings_t *settings, float error_um);
 
 /* The reading against what the model expected of this sample. Returns STATUS_ bits. */
-uint32_t hysgen_watchdog_follow(watchdog_t *self, const settings_t *settings, float expected_um);
+uint32_t hysgen_watchdog_follow(watchdog_t *self, float expected_um);
 
 /* BOARD_AMPLIFIER_ bits of this sample. Returns STATUS_ bits. */
-uint32_t hysgen_watchdog_amplifier(watchdog_t *self, const settings_t *settings, uint32_t amplifier);
+uint32_t hysgen_watchdog_amplifier(watchdog_t *self, uint32_t amplifier);
 
 /* Cycles that the interrupt took, and whether it overran. Returns STATUS_ bits. */
-uint32_t hysgen_watchdog_time(watchdog_t *self, const settings_t *settings, uint32_t cycles, uint32_t overrun);
+uint32_t hysgen_watchdog_time(watchdog_t *self, uint32_t cycles, uint32_t overrun);
 
 LINKAGE_END
 

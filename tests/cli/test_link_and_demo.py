@@ -20,7 +20,8 @@ from hysgen.firmware.wire import LinkStatus
 from hysgen.model.file import load_model
 from hysgen.record.read import IDENTIFICATION_ROWS, bundled_csv
 
-STATUS = LinkStatus(6, 0x1001, 0x40000, 77, 2.0 / 3.0, 39.5, 2.0, 0.0, 13, 1, 640, 8, 3, 1, 500, 4, 1200, 1300, 0, 96)
+WORDS = (13, 1, 640, 8, 3, 1, 500, 4, 1200, 1300, 0, 96)
+STATUS = LinkStatus(6, 0x1001, 0x40000, 77, 2.0 / 3.0, 39.5, 2.0, 0.0, *WORDS, 39.5)
 
 
 class Firmware:

@@ -173,3 +173,30 @@ def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:
 def test_a_model_of_another_sampling_period_does_not_compile_into_the_image() -> None:
     with pytest.raises(BuildError, match="sampling period"):
         drivers(period_ns=100_000)
+
+
+@pytest.mark.parametrize(
+    ("code", "told"), [(1000, 0), (1000 + 655, 0), (1000 - 655, 0), (1000 + 656, 2), (1000 - 656, 2)]
+)
+def test_a_converter_that_does_not_put_out_what_it_was_given_is_a_failure_where_it_is_read_back(
+    code: int, told: int
+) -> None:
+    chip = Chip(drivers("board_type.h", "BOARD_READS_BACK       0 ", "BOARD_READS_BACK       1 "))
+    low_V, per_V = -20.0, 65535 / 140
+    chip.lib.hysgen_board_voltage(chip.board, low_V + 1000 / per_V)
+    assert chip.state.dac_code == 1000
+    chip.state.adc_back = code - 32768
+    assert chip.lib.hysgen_board_displacement_um(chip.board) == pytest.approx(4.916)
+    assert chip.lib.hysgen_board_amplifier(chip.board) == told
+    assert chip.lib.hysgen_board_read_back_V(chip.board) == pytest.approx(low_V + code / per_V, abs=1e-5)
+    bare = Chip()
+    assert np.isnan(bare.lib.hysgen_board_read_back_V(bare.board)), "not wired"
+
+
+def test_readings_and_voltages_are_as_calibrated() -> None:
+    chip = Chip()
+    chip.lib.hysgen_board_calibrate(chip.board, -0.25, 1.0625, 0.5, 0.96875)
+    chip.state.adc_code[1] = 4000
+    assert chip.lib.hysgen_board_displacement_um(chip.board) == pytest.approx(-0.25 + 1.0625 * (4.916 + 1.0), abs=1e-5)
+    chip.lib.hysgen_board_voltage(chip.board, 40.0)
+    assert chip.output_V == pytest.approx(0.5 + 0.96875 * 40.0, abs=0.002)

@@ -16,11 +16,11 @@ from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, build_id, read_sourc
 from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, Request, State
 from hysgen.firmware.image import ANSWERS, Label, Owner, ParameterImage, decode, encode, pack, read_key
 from hysgen.firmware.link import Client
-from hysgen.firmware.wire import ANSWER, CHUNK, CODES, Command, Identity, LinkStatus, frame, payload
+from hysgen.firmware.wire import ANSWER, CHUNK, CODES, SETTINGS_BYTES, Command, Identity, LinkStatus, frame, payload
 from hysgen.float32.coefficients import Bank
 from hysgen.model.file import dump_model
 
-WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7, 6000)
+WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7, 6000, 0x7FC00000)
 
 
 def status(**fields: int) -> bytes:
@@ -28,7 +28,7 @@ def status(**fields: int) -> bytes:
     words = list(WORDS)
     for name, value in fields.items():
         words[names.index(name)] = value
-    return struct.pack("<20I", *words)
+    return struct.pack("<21I", *words)
 
 
 class Scripted:
@@ -65,7 +65,7 @@ def test_commands_carry_their_data_and_numbers_that_wrap() -> None:
         asking.request(Request.STOP)
         asking.reference(2.5)
         asking.reference(None)
-        assert asking.status() == LinkStatus(5, 0x13, 0x40000, 77, 0.0, 0.0, 0.0, 0.0, *WORDS[8:])
+        assert asking.status() == LinkStatus(5, 0x13, 0x40000, 77, 0.0, 0.0, 0.0, 0.0, *WORDS[8:-1], None)
         for _ in range(252):
             asking.status()
     assert line.asked[:3] == [(2, 1, b"\x02"), (3, 2, struct.pack("<f", 2.5)), (3, 3, b"")]
@@ -117,17 +117,17 @@ def test_answers_to_another_command_and_noise_are_passed_over() -> None:
 
 
 def test_the_identity_of_another_version_is_refused() -> None:
-    for protocol in (4, 3):
+    for protocol in (link.PROTOCOL, 3):
         own = (20_000, 3, 640, 6, 2, 0.5, 4.0, -20.0, 120.0, -20.0, 120.0, -3.0, 13.0, 4096)
-        words = struct.pack("<6IQI5I8fI", protocol, 1, 2, 3, 4, 5, 6, 1, *own)[: None if protocol == 4 else 80]
+        words = struct.pack("<6IQI5I8fI", protocol, 1, 2, 3, 4, 5, 6, 1, *own)[: None if protocol != 3 else 80]
         asking, _ = client(lambda *_, words=words: b"\0" + words + b"stage")
-        if protocol == 4:
+        if protocol != 3:
             found = asking.identity()
-            expected = Identity(4, (1, 2, 3, 4), 5, 6, True, *own, "stage")
+            expected = Identity(protocol, (1, 2, 3, 4), 5, 6, True, *own, "stage")
             assert found == expected
             assert vars(found) == vars(expected)
         else:
-            with pytest.raises(HysgenError, match="version 3 of the link, this hysgen 4"):
+            with pytest.raises(HysgenError, match="version 3 of the link, this hysgen 5"):
                 asking.identity()
 
 
@@ -183,11 +183,14 @@ def test_a_models_image_is_labelled_as_the_firmware_tells() -> None:
 
     def reply(kind: int, number: int, data: bytes) -> bytes:
         parts.append(data[4:] if kind == Command.IMAGE else b"")
-        return b"\0" + {Command.IDENTIFY: words, Command.STATUS: status(counter=8)}.get(Command(kind), b"")
+        answers = {Command.IDENTIFY: words, Command.STATUS: status(counter=8, state=0)}
+        answers[Command.KEPT] = struct.pack("<I", SETTINGS_BYTES) + settings[data[0] if data else 0 :][:64]
+        return b"\0" + answers.get(Command(kind), b"")
 
-    key = bytes(range(16))
+    key, settings = bytes(range(16)), bytes(range(100, 180))
     client(reply)[0].install_model(model(), key)
-    assert decode(b"".join(parts), key=key).label == Label(1 << 40, 55, 9)
+    sent = decode(b"".join(parts), key=key)
+    assert (sent.label, sent.settings) == (Label(1 << 40, 55, 9), settings)
 
 
 # Images
@@ -197,9 +200,9 @@ def test_an_image_gives_back_every_number_with_more_weights_than_rules() -> None
     slope, offset, gain = np.arange(1, 7, dtype=np.float32).reshape(3, 2)
     bank = Bank(slope=slope, offset=offset, gain=gain, weight=np.arange(7, 12, dtype=np.float32))
     data = pack(ParameterImage((1, 2, 3, 4), bank, Label(1 << 33, 5, 6)), KEY)
-    assert struct.unpack_from("<9IQ2I", data) == (0x49535948, 2, len(data), 1, 2, 3, 4, 2, 5, 1 << 33, 5, 6)
+    assert struct.unpack_from("<9IQ2I", data) == (0x49535948, 3, len(data), 1, 2, 3, 4, 2, 5, 1 << 33, 5, 6)
     assert struct.unpack_from("<11f", data, 52) == tuple(range(1, 12))
-    assert len(data) == 4 * (13 + 11 + 3)
+    assert len(data) == 4 * (13 + 11 + 20 + 3)
     back = decode(data, key=KEY)
     assert (back.digest, back.label) == ((1, 2, 3, 4), Label(1 << 33, 5, 6))
     for name in ("slope", "offset", "gain", "weight"):
@@ -207,8 +210,8 @@ def test_an_image_gives_back_every_number_with_more_weights_than_rules() -> None
     with pytest.raises(ModelError, match="47 bytes are no parameter image"):
         decode(bytes(47))
     for at, words in (
-        (0, "not a parameter image of version 2"),
-        (4, "version 2"),
+        (0, "not a parameter image of version 3"),
+        (4, "version 3"),
         (28, "its header says"),
         (60, "CRC"),
     ):
@@ -261,13 +264,13 @@ def test_commands_codes_and_answers_are_those_of_the_c() -> None:
     assert [CODES[wire[name]] for name in ("DONE", "UNKNOWN", "LENGTH", "VALUE")] == list(CODES)
     assert (wire["STATUS_WORDS"], wire["IDENTITY_WORDS"]) == (len(LinkStatus.__dataclass_fields__), 23)
     names = ("GOOD", "INCOMPLETE", "UNKNOWN", "DAMAGED", "FOREIGN", "NO_NUMBER", "NOT_STORED")
-    names += ("FORGED", "STRANGE", "OTHER_BUILD", "REPLAYED", "KEYLESS")
+    names += ("FORGED", "STRANGE", "OTHER_BUILD", "REPLAYED", "KEYLESS", "RISKY")
     image = defined("IMAGE_")
     # Of the model's commit, answers 2 to 5 refuse (image.h).
     assert set(ANSWERS) == {image[name] for name in names} | {image["UNCERTIFIED"] + answer for answer in range(2, 6)}
     words = {"INCOMPLETE": "bytes are missing", "DAMAGED": "CRC", "FORGED": "MAC", "STRANGE": "another device"}
     words |= {"OTHER_BUILD": "another build", "REPLAYED": "counter", "NOT_STORED": "no memory", "NO_NUMBER": "finite"}
-    words["KEYLESS"] = "all zeros"
+    words |= {"KEYLESS": "all zeros", "RISKY": "settings"}
     for name, phrase in words.items():
         assert phrase in ANSWERS[image[name]]
 

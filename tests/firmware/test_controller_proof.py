@@ -62,6 +62,7 @@ IMAGE_ENTRY = """#include <stddef.h>
 #include "model_stubs.c"
 #include "board_stubs.c"
 #include "image.c"
+#include "settings.c"
 #include "store.c"
 #include "siphash.c"
 #include "crc32.c"

@@ -11,6 +11,7 @@ from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFir
 from hysgen.firmware.image import Label, encode
 
 PERIOD = 7500
+BAD = 8
 MAGIC = 0x4C414553
 
 
@@ -88,7 +89,7 @@ def test_an_interrupt_is_late_beyond_its_budget() -> None:
 def test_the_last_bad_sample_that_is_allowed_is_survived_and_the_next_is_a_fault(
     fault: BoardFault, value: float, status: FirmwareStatus
 ) -> None:
-    for samples, faulty in ((Settings().bad_samples - 1, False), (Settings().bad_samples, True)):
+    for samples, faulty in ((BAD - 1, False), (BAD, True)):
         firmware = booted()
         firmware.fail(fault, value, after=1, samples=samples)
         firmware.run(np.full(samples + 2, REFERENCE_UM))
@@ -98,7 +99,7 @@ def test_the_last_bad_sample_that_is_allowed_is_survived_and_the_next_is_a_fault
 @pytest.mark.parametrize("pause", [55, 56])
 def test_a_leaky_count_falls_by_one_for_eight_good_samples(pause: int) -> None:
     """Seven bad samples leave the count at 7: 56 good ones forget it, 55 leave one."""
-    bad = Settings().bad_samples
+    bad = BAD
     firmware = booted()
     for _ in range(2):
         firmware.fail(BoardFault.OVERRUN, after=1, samples=bad - 1)
@@ -121,9 +122,10 @@ def test_readings_at_the_limits_of_the_sensor_count_and_beyond_them_do_not() -> 
 
 
 def test_a_stuck_sensor_is_a_fault_only_at_both_its_limits() -> None:
-    """RISE from 0 V: sample k comes with k/32 V on the output, and is the k-th that repeats the reading."""
-    for stuck_V, expected in ((1.0, 64), (2.0, 64), (2.03125, 65), (2.25, 72)):
-        firmware = booted(Settings(power_samples=1, stuck_V=stuck_V, ramp_V=1 / 32))
+    """RISE from 0 V: sample k comes with k times the ramp on the output, and is the k-th that repeats the reading; 64
+    of them and a 64th of the model's 140 V are needed."""
+    for ramp_V, expected in ((1 / 16, 64), (35 / 1024, 64), (1 / 32, 70)):
+        firmware = booted(Settings(power_samples=1, ramp_V=ramp_V))
         firmware.request(Request.START)
         firmware.run(np.full(2, REFERENCE_UM))
         firmware.fail(BoardFault.STUCK)

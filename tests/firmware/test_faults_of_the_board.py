@@ -11,6 +11,7 @@ from fixtures.firmware_bench import REFERENCE_UM, booted, on_itself, sine, track
 from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, HostFirmware, Log, Request, Settings, State
 
 SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
+BAD, ASTRAY = 8, 50
 
 
 def assert_limits(log: Log, before_V: float, settings: Settings = SETTINGS) -> None:
@@ -97,7 +98,7 @@ def test_a_lasting_fault_is_named_and_brings_the_stage_to_rest(
 def test_a_few_bad_samples_set_the_status_and_do_not_trip(
     fault: BoardFault, value: float, told: FirmwareStatus
 ) -> None:
-    firmware, log = suffered(fault, value, samples=SETTINGS.bad_samples - 2)
+    firmware, log = suffered(fault, value, samples=BAD - 2)
     assert told in firmware.status
     assert not firmware.status & FAULTS
     assert (log.state == State.TRACK).all()
@@ -121,7 +122,7 @@ def test_a_share_of_bad_samples_above_one_in_nine_trips(
     firmware = tracking(SETTINGS)
     firmware.fail(fault, value, after=1, pattern=pattern)
     # At (1, 8) the count grows by one in 64 samples: 1 - 7/8 of eight.
-    firmware.run(sine(64 * (SETTINGS.follow_samples + 1) if FirmwareStatus.FAULT_FOLLOW in told else 64 * 9))
+    firmware.run(sine(64 * (ASTRAY + 1) if FirmwareStatus.FAULT_FOLLOW in told else 64 * 9))
     assert firmware.status & told
     assert firmware.state in (State.TRIP, State.TRIPPED)
 
@@ -201,11 +202,11 @@ def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
 def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> None:
     rng = np.random.default_rng(7)
     for _ in range(20):
-        firmware = tracking(
-            replace(SETTINGS, trim=True, bad_samples=50_000, follow_um=3.0, follow_samples=50_000, stuck_V=140.0)
-        )
+        firmware = tracking(replace(SETTINGS, trim=True, follow_um=3.0))
         before_V = firmware.board.output_V
-        firmware.fail(BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), after=10)
+        firmware.fail(
+            BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), 10, pattern=(1, 10)
+        )
         log = firmware.run(rng.integers(0, 1 << 32, 300, dtype=np.uint32).view(np.float32))
         assert_limits(log, before_V)
         assert firmware.state is State.TRACK
@@ -265,7 +266,7 @@ def test_every_state_answers_every_request_as_the_table_says(before: State, aske
 def test_a_fault_trips_every_state(before: State) -> None:
     firmware = reached(before)
     firmware.fail(BoardFault.OVERRUN)
-    firmware.run(np.full(SETTINGS.bad_samples + 1, REFERENCE_UM))
+    firmware.run(np.full(BAD + 1, REFERENCE_UM))
     assert firmware.state in (State.TRIP, State.TRIPPED)
     assert FirmwareStatus.FAULT_DEADLINE in firmware.status
 

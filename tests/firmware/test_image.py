@@ -321,7 +321,7 @@ def test_start_drives_with_no_parameters_but_those_that_were_meant(row: str) -> 
 
 def test_learned_parameters_are_kept_over_stop_if_the_settings_say_so() -> None:
     for keep in (False, True):
-        settings = Settings(learn=True, keep=keep, commit_pause=2000)
+        settings = Settings(learn=True, keep=keep)
         firmware = HostFirmware(image(), ModelStage(changed(SOFTER)), settings)
         built_in = firmware.bank()
         firmware.start(2.0)

@@ -9,7 +9,8 @@ from fixtures.firmware_bench import Direct, booted
 from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Request, State
 from hysgen.firmware.link import Client
 
-FILL, WORDS, ROUND = 0x5AFE57AC, 64, 8
+FILL, WORDS, ROUND = 0x5AFE57AC, 64, 11
+"""A round reads eight of the code's and the settings' words a sample."""
 
 
 def watched() -> HostFirmware:
@@ -41,6 +42,16 @@ def test_a_bit_of_the_code_that_turns_is_told_within_a_round_and_until_the_next_
         assert (firmware.state, told(firmware)) == (State.TRIPPED, FirmwareStatus.FAULT_MEMORY)
     firmware.boot()
     assert firmware.state is State.OFF
+
+
+@pytest.mark.parametrize("byte", [0, 79])
+def test_a_bit_of_the_settings_that_turns_is_told(byte: int) -> None:
+    firmware = watched()
+    ffi = firmware.image.library.ffi
+    settings = ffi.buffer(ffi.addressof(firmware.firmware, "settings"))
+    settings[byte] = bytes([settings[byte][0] ^ 0x80])
+    firmware.run(np.full(2 * ROUND + 1, 2.0))
+    assert told(firmware) == FirmwareStatus.FAULT_MEMORY
 
 
 def test_the_end_of_the_stack_stays_as_it_is_and_what_was_never_used_is_counted() -> None:

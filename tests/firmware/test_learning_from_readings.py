@@ -9,7 +9,7 @@ from fixtures.firmware_bench import REFERENCE_UM, ModelStage, extended_image, mo
 from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Settings, State
 from hysgen_lab.firmware.reference_models import extended
 
-LEARNING = Settings(learn=True, commit_pause=2000)
+LEARNING = Settings(learn=True)
 
 
 def wrong_nm(firmware: HostFirmware) -> float:

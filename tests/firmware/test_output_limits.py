@@ -88,7 +88,7 @@ def test_a_reference_step_that_the_settings_allow_is_no_fault(name: str) -> None
 
 
 def test_a_model_that_is_right_stays_right_while_it_learns_under_the_rate_limit() -> None:
-    settings = Settings(learn=True, commit_pause=2000, step_V=0.5, reference_step_um=0.5, follow_um=3.0)
+    settings = Settings(learn=True, step_V=0.5, reference_step_um=0.5, follow_um=3.0)
     error_nm, firmware = apart_nm("appendix_a", settings, triangle_um(40_000, 1))
     assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
     assert firmware.firmware.commits > 3

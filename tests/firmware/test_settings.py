@@ -2,6 +2,7 @@
 
 # Safety case: [S3]
 
+import re
 from dataclasses import fields, replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, booted, image, model, tracking
+from hysgen.firmware.binding import CONTROLLER, read_sources
 from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, Settings, State
 
 FLOATS = [each.name for each in fields(Settings) if each.type == "float"]
@@ -25,8 +27,10 @@ IMPOSSIBLE = [
     {"off_V": 150.0},
     {"off_V": 1e30},
     {"follow_um": 1e30},  # a guard that never acts
-    {"follow_samples": 4_000_000_000},
-    {"stuck_V": 1e30},
+    {"reading_gain": 0.0},  # not filled in
+    {"output_gain": -1.0},
+    {"output_zero_V": 8.0},
+    {"reading_zero_um": -1.0},
     {"state_samples": 0},
     {"state_samples": 4_294_967_295},
 ]
@@ -99,3 +103,28 @@ def test_a_voltage_within_one_step_is_reached_to_the_bit() -> None:
         log = firmware.run(np.full(3, REFERENCE_UM))
         assert float(log.output_V[2]) == low_V
         assert FirmwareStatus.OUTPUT_SLEWED not in firmware.status
+
+
+class OffScale(ModelStage):
+    """The model behind a D/A that puts out 0.4 V + 1.03 u, read by a sensor that gives (y - 0.3 um) / 1.05."""
+
+    def step(self, _: object, u_V: float) -> float:
+        return (super().step(_, 0.4 + 1.03 * u_V) - 0.3) / 1.05
+
+
+def test_converters_off_their_scales_are_calibrated_by_the_settings() -> None:
+    wrong_um = []
+    right = {"reading_zero_um": 0.3, "reading_gain": 1.05, "output_zero_V": -0.4 / 1.03, "output_gain": 1.0 / 1.03}
+    for calibration in (right, {}):
+        firmware = HostFirmware(image(), OffScale(model()), Settings(**calibration, follow_um=1.0))
+        firmware.start(REFERENCE_UM)
+        firmware.run(np.full(2000, REFERENCE_UM))
+        assert firmware.state is State.TRACK
+        wrong_um.append(abs(firmware.stage.y_um - REFERENCE_UM))
+    assert wrong_um[0] < 1e-3
+    assert wrong_um[1] > 0.1
+
+
+def test_there_are_at_most_20_settings_calibration_included() -> None:
+    (words,) = re.findall(r"SETTINGS_WORDS (\d+)u", dict(read_sources(CONTROLLER))["settings.h"])
+    assert int(words) == booted().image.library.ffi.sizeof("settings_t") // 4 <= 20

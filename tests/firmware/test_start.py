@@ -50,7 +50,7 @@ def test_a_stage_at_rest_is_a_fault_whatever_offset_the_settings_allow() -> None
 @pytest.mark.parametrize("state", [State.LOOP, State.HOLD])
 def test_a_clear_on_the_way_does_not_hide_a_sensor_that_repeats_its_reading(state: State) -> None:
     """Found by the fuzzer: CLEAR reset the voltage at which the reading last changed, and nothing moved afterwards."""
-    settings = Settings(stuck_V=100.0)
+    settings = Settings(ramp_V=0.005)
     stage = ModelStage(model(), 0.0)
     firmware = HostFirmware(image(), stage, settings)
     firmware.request(Request.START)

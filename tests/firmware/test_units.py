@@ -59,6 +59,7 @@ LOW_V, HIGH_V = model().u_min_V, model().u_max_V
 BOARD_V = (-20.0, 120.0)
 RANGE_UM = np.float32(model().grid.y_max_um) - np.float32(model().grid.y_min_um)
 ROOMY = Settings(loop_low_V=0.0, low_V=BOARD_V[0], high_V=BOARD_V[1])
+GAINS = (np.float32(1) - np.float32(0.1), np.float32(1) + np.float32(0.1))
 RANGES = {
     "low_V": (BOARD_V[0], None),
     "high_V": (ROOMY.low_V, BOARD_V[1]),
@@ -69,15 +70,17 @@ RANGES = {
     "loop_high_V": (LEAST, HIGH_V),
     "offset_um": (LEAST, RANGE_UM),
     "reference_step_um": (LEAST, RANGE_UM),
-    "stuck_V": (LEAST, HIGH_V - LOW_V),
     "follow_um": (0.0, RANGE_UM),
     "trim_integral": (0.0, TRIM_INTEGRAL),
     "trim_limit_um": (0.0, RANGE_UM / 2),
+    "reading_gain": GAINS,
+    "output_gain": GAINS,
+    "output_zero_V": (-7.0, 7.0),
 }
 COUNTS = {
     "state_samples": (None, 30_000_000),
     "hold_samples": (64, ROOMY.state_samples - 1),
-    **{name: (1, 50_000) for name in ("follow_samples", "bad_samples")},
+    "power_samples": (1, ROOMY.state_samples - 1),
 }
 
 

@@ -88,7 +88,6 @@ float hysgen_board_displacement_um(board_t *board)
     uint32_t polls = 0u;
     float reading_um = number_of(NUMBER_NAN);
 
-    (void)board;
     while (((chip_read(CHIP_GPIO + CHIP_GPIO_IN) & BOARD_ADC_BUSY) != 0u) && (polls < BOARD_ADC_POLLS)) {
         polls += 1u;
     }
@@ -98,7 +97,10 @@ float hysgen_board_displacement_um(board_t *board)
         const uint32_t code = (uint32_t)word ^ 0x8000u;
         const int32_t steps = (int32_t)code - 0x8000;
 
-        reading_um = BOARD_ADC_ZERO_UM + BOARD_ADC_STEP_UM * (float)steps;
+        reading_um = board->adc_zero_um + board->adc_step_um * (float)steps;
+#if BOARD_READS_BACK
+        board->read_back = (uint32_t)chip_bus_read(BOARD_ADC_ADDRESS) ^ 0x8000u;
+#endif
     }
     return reading_um;
 }
@@ -113,16 +115,27 @@ float hysgen_board_reference_um(board_t *board)
 
 uint32_t hysgen_board_amplifier(board_t *board)
 {
+    uint32_t bits = ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & (BOARD_AMPLIFIER_PINS | BOARD_STOP_PIN);
+
+#if BOARD_READS_BACK
+    if ((board->read_back + BOARD_READ_BACK_CODES) - board->written > 2u * BOARD_READ_BACK_CODES) {
+        bits |= BOARD_AMPLIFIER_FAILED;
+    }
+#else
     (void)board;
-    return ~chip_read(CHIP_GPIO + CHIP_GPIO_IN) & (BOARD_AMPLIFIER_PINS | BOARD_STOP_PIN);
+#endif
+    return bits;
 }
 
 void hysgen_board_voltage(board_t *board, float u_V)
 {
-    const float code = number_limited((u_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
+    const float built_V = u_V * board->dac_gain + board->dac_zero_V;
+    const uint32_t code = (uint32_t)number_limited((built_V - BOARD_DAC_LOW_V) * BOARD_DAC_PER_V + 0.5f, 0.0f, BOARD_DAC_CODES);
 
-    (void)board;
-    chip_bus_write(BOARD_DAC_ADDRESS, (uint16_t)(int32_t)code);
+    chip_bus_write(BOARD_DAC_ADDRESS, (uint16_t)code);
+#if BOARD_READS_BACK
+    board->written = code;
+#endif
 }
 
 uint32_t hysgen_board_cycles(board_t *board)
@@ -191,6 +204,24 @@ uint32_t hysgen_board_power_on(board_t *board)
 {
     (void)board;
     return chip_read(CHIP_RESET_TYPE) & CHIP_RESET_POWER_ON;
+}
+
+void hysgen_board_calibrate(board_t *board, float zero_um, float gain_um, float zero_V, float gain_V)
+{
+    board->adc_zero_um = zero_um + gain_um * BOARD_ADC_ZERO_UM;
+    board->adc_step_um = gain_um * BOARD_ADC_STEP_UM;
+    board->dac_zero_V = zero_V;
+    board->dac_gain = gain_V;
+}
+
+float hysgen_board_read_back_V(const board_t *board)
+{
+#if BOARD_READS_BACK
+    return BOARD_DAC_LOW_V + ((BOARD_HIGH_V - BOARD_DAC_LOW_V) / BOARD_DAC_CODES) * (float)board->read_back;
+#else
+    (void)board;
+    return number_of(NUMBER_NAN);
+#endif
 }
 
 /* Of c6748.ld: the shared RAM. */

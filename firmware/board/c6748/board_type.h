@@ -14,7 +14,7 @@ LINKAGE_BEGIN
 /* Converters on the EMIFA bus, 16 bits each. On TI's LCDK chip select 3 is the NAND flash.
  *
  * Chip select 2: Analog Devices AD7606C-16 (or AD7606B, AD7606), hardware mode, parallel, +-10 V, no oversampling: the sensor on V1, CONVST
- * on TM64P0_OUT12, BUSY on GP0[3], RESET on GP0[4], RD on EMA_OE. Two's complement; the first read behind BUSY is V1.
+ * on TM64P0_OUT12, BUSY on GP0[3], RESET on GP0[4], RD on EMA_OE. Two's complement; the first read behind BUSY is V1, the second V2.
  * Chip select 3: Analog Devices AD5547 (or AD5546, one channel), four-quadrant, +-10 V: WR on EMA_CS3 or EMA_WE (both low), LDAC high, A0 and
  * A1 to select one channel. Offset binary.
  *
@@ -37,6 +37,8 @@ LINKAGE_BEGIN
 #define BOARD_DAC_LOW_V        -20.0f
 #define BOARD_DAC_PER_V        468.107143f  /* 65535 codes over 140 V: 2.1 mV */
 #define BOARD_DAC_CODES        65535.0f
+#define BOARD_READS_BACK       0            /* 1: the D/A is wired to V2 too, and is to put out what it was given, */
+#define BOARD_READ_BACK_CODES  655u         /* to this many codes, 1 % of the range; else the amplifier counts as failed */
 /* Of the converters: what they can put out and read; settings beyond that are refused. */
 #define BOARD_LOW_V            BOARD_DAC_LOW_V
 #define BOARD_HIGH_V           120.0f
@@ -64,6 +66,12 @@ typedef struct {
 typedef struct {
     float reference_um[BOARD_REFERENCES];   /* fill in, or replace hysgen_board_reference_um by your own source */
     uint32_t next;
+    float adc_zero_um;                      /* scales as calibrated */
+    float adc_step_um;
+    float dac_zero_V;
+    float dac_gain;
+    uint32_t written;                       /* code that the D/A was given last, */
+    uint32_t read_back;                     /* and what V2 had at this interrupt */
     board_ring_t received;                  /* bytes from the line, in hysgen_board_line_serve to hysgen_board_line_read */
     board_ring_t sent;                      /* bytes to the line, from hysgen_board_line_write to hysgen_board_line_serve */
 } board_t;

@@ -31,13 +31,13 @@ static const settings_t main_settings = {
     .offset_um = 1.0f,
     .state_samples = 250000u,
     .reference_step_um = 0.02f,
-    .stuck_V = 0.5f,
     .follow_um = 0.0f,
-    .follow_samples = 50u,
-    .bad_samples = 8u,
     .trim_integral = 0.004f,
     .trim_limit_um = 0.25f,
-    .commit_pause = 25000u,
+    .reading_zero_um = 0.0f,
+    .reading_gain = 1.0f,
+    .output_zero_V = 0.0f,
+    .output_gain = 1.0f,
 };
 
 /* Fill in: your key (`hysgen image --key`), and the number of this stage and its electronics. A key of zeros takes no image. */

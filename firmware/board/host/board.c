@@ -55,11 +55,12 @@ uint32_t hysgen_board_amplifier(board_t *board)
 void hysgen_board_voltage(board_t *board, float u_V)
 {
     const uint32_t clips = faulty(board, HOST_FAULT_SATURATED);
+    const float built_V = board->zero_V + board->gain_V * u_V;
     float reading_um;
 
     board->output_V = u_V;
-    board->applied_V = ((clips != 0u) & (u_V > board->fault_value)) ? board->fault_value : u_V;
-    reading_um = (float)board->step(board->plant, (double)board->applied_V);
+    board->applied_V = ((clips != 0u) & (built_V > board->fault_value)) ? board->fault_value : built_V;
+    reading_um = board->zero_um + board->gain_um * (float)board->step(board->plant, (double)board->applied_V);
     if (faulty(board, HOST_FAULT_LATE) != 0u) {
         board->cycles += (uint32_t)board->fault_value;
     }
@@ -104,6 +105,19 @@ uint32_t *hysgen_board_kept(board_t *board)
 uint32_t hysgen_board_power_on(board_t *board)
 {
     return (uint32_t)(board->restarted == 0u);
+}
+
+void hysgen_board_calibrate(board_t *board, float zero_um, float gain_um, float zero_V, float gain_V)
+{
+    board->zero_um = zero_um;
+    board->gain_um = gain_um;
+    board->zero_V = zero_V;
+    board->gain_V = gain_V;
+}
+
+float hysgen_board_read_back_V(const board_t *board)
+{
+    return board->applied_V;
 }
 
 volatile uint16_t *hysgen_board_record(board_t *board)

@@ -37,6 +37,10 @@ typedef struct board {
     float reading_um;
     float output_V;             /* as the D/A has it */
     float applied_V;            /* as the amplifier passes it on */
+    float zero_um;              /* calibration of both converters, see board.h */
+    float gain_um;
+    float zero_V;
+    float gain_V;
 
     uint32_t fault;
     uint32_t fault_from;        /* first sample of the fault, */

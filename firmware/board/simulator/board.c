@@ -23,13 +23,11 @@ static settings_t simulated_settings = {
     .offset_um = 1.0f,
     .state_samples = 250000u,
     .reference_step_um = 0.05f,
-    .stuck_V = 0.5f,
     .follow_um = 3.0f,
-    .follow_samples = 50u,
-    .bad_samples = 8u,
     .trim_integral = 0.004f,
     .trim_limit_um = 0.25f,
-    .commit_pause = 1u,
+    .reading_gain = 1.0f,
+    .output_gain = 1.0f,
 };
 
 static const image_owner_t simulated_owner = { { 1u, 0u, 0u, 0u }, { 0u, 0u } };
@@ -85,6 +83,20 @@ uint32_t hysgen_board_power_on(board_t *board)
 {
     (void)board;
     return 1u;
+}
+
+void hysgen_board_calibrate(board_t *board, float zero_um, float gain_um, float zero_V, float gain_V)
+{
+    (void)board;
+    (void)zero_um;
+    (void)gain_um;
+    (void)zero_V;
+    (void)gain_V;
+}
+
+float hysgen_board_read_back_V(const board_t *board)
+{
+    return board->output_V;
 }
 
 volatile uint16_t *hysgen_board_record(board_t *board)

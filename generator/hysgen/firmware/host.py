@@ -19,7 +19,7 @@ from hysgen.codegen.operations.text import preprocessed
 from hysgen.codegen.structs import interface_of
 from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, read_sources, typedefs
 from hysgen.firmware.image import Owner
-from hysgen.firmware.wire import image_frames
+from hysgen.firmware.wire import SETTINGS_BYTES, Settings, image_frames
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model.file import parse_model
 from hysgen.model.path import preview
@@ -91,35 +91,6 @@ BoardFault = IntEnum("BoardFault", "NONE STUCK READING SATURATED LIMITS AMPLIFIE
 
 
 @dataclass(frozen=True)
-class Settings:
-    """The settings_t of settings.h. Defaults: the virtual stage, amplifier -20 .. 120 V, sensor -3.3 .. 13.1 um."""
-
-    trim: bool = False
-    learn: bool = False
-    keep: bool = False
-    no_offset: bool = False
-    off_V: float = 0.0
-    low_V: float = -20.0
-    high_V: float = 120.0
-    step_V: float = 1.5
-    ramp_V: float = 0.02
-    loop_low_V: float = 22.0
-    loop_high_V: float = 56.0
-    power_samples: int = 100
-    hold_samples: int = 4096
-    offset_um: float = 1.0
-    state_samples: int = 250_000
-    reference_step_um: float = 0.02
-    stuck_V: float = 0.5
-    follow_um: float = 0.0
-    follow_samples: int = 50
-    bad_samples: int = 8
-    trim_integral: float = 0.004
-    trim_limit_um: float = 0.25
-    commit_pause: int = 25_000
-
-
-@dataclass(frozen=True)
 class Log:
     """A run, arrays (n,): reading at the start of each sample [um], output voltage at its end [V], State."""
 
@@ -170,7 +141,8 @@ class HostFirmware:
         self._ffi, self._lib = image.library.ffi, image.library.lib
         self.board = self._ffi.new("board_t *")
         self.firmware = self._ffi.new("firmware_t *")
-        self._settings = self._ffi.new("settings_t *", _settings(settings or Settings()))
+        self._settings = self._ffi.new("settings_t *")
+        self._ffi.memmove(self._settings, (settings or Settings()).pack(), SETTINGS_BYTES)
         owner = owner or Owner()
         self._owner = self._ffi.new("image_owner_t *", {"key": owner.key_words, "device": owner.device_words})
         self._kept: list[Any] = []
@@ -307,12 +279,6 @@ class HostFirmware:
         return self._ffi.buffer(self.board.store[slot], SLOT_BYTES)
 
 
-def _settings(settings: Settings) -> dict[str, float]:
-    values = {each.name: getattr(settings, each.name) for each in fields(Settings)}
-    options = sum(values.pop(name) << bit for bit, name in enumerate(("trim", "learn", "keep", "no_offset")))
-    return {"options": options, **values}
-
-
 def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -> str:
     """The declarations for cffi: structs of model, controller and board, and the functions called from here.
 
@@ -321,6 +287,7 @@ def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -
     model = parse_model(texts[f"{name}.json"], f"{name}.json")
     sizes = {"RULES": model.grid.rules, "WEIGHTS": len(model.weights), "PREVIEW": preview(model.blocks)}
     macros = {f"MODEL_{word}": f"{size}u" for word, size in sizes.items()}
+    macros["BANK_WORDS"] = f"{3 * model.grid.rules + len(model.weights)}u"
     headers = [preprocessed(own[file], macros) for file in HEADERS]
     return "\n".join(
         [

@@ -1,7 +1,7 @@
 """Parameter images: the numbers of a model as bytes for running firmware, with SipHash-2-4 as authentication code.
 
 words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights, 9 and 10 device, 11 build, 12 counter,
-       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), CRC-32 of the words before,
+       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), settings, CRC-32 of the words before,
        SipHash-2-4 of all words before (two words);
 words are 32 bits, little-endian
 """
@@ -16,6 +16,7 @@ import numpy as np
 
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import structure_digest, unphased
+from hysgen.firmware.wire import SETTINGS_BYTES
 from hysgen.float32.coefficients import Bank, coefficients
 from hysgen.float32.struct_words import COMMIT_MEANINGS, Commit
 from hysgen.model.model import Model
@@ -55,11 +56,13 @@ def _rotated(x: int, count: int) -> int:
 
 
 MAGIC: Final = 0x49535948
-VERSION: Final = 2
+VERSION: Final = 3
 _MAKE_KEY: Final = "make a key with: openssl rand -hex 16"
 HEADER: Final = "<9IQ2I"
 HEADER_WORDS: Final = 13
-TAIL_WORDS: Final = 3
+TAIL_WORDS: Final = 3 + SETTINGS_BYTES // 4
+BUILT_IN: Final = bytes(SETTINGS_BYTES)
+"""Settings of an image that leaves them to the firmware's build."""
 NO_KEY: Final = bytes(16)
 """The key of a firmware without a secret, which takes no image."""
 
@@ -81,6 +84,7 @@ ANSWERS: Final = {
     15: "refused: for another build of the firmware",
     16: "refused: its counter is not larger than the largest so far, or by more than 65536",
     17: "refused: the firmware's key is all zeros, which is no secret; fill in main_owner",
+    18: "refused: its settings must not run on this board",
 }
 """Meaning of the firmware's `image_answer`."""
 
@@ -114,11 +118,13 @@ class Label:
 
 @dataclass(frozen=True)
 class ParameterImage:
-    """Content of an image: digest of the structure that it fits, the numbers of a bank, and its label."""
+    """Content of an image: digest of the structure that it fits, the numbers of a bank, its label, and the words of
+    settings_t (`Settings.pack`), BUILT_IN: those of the firmware's build."""
 
     digest: tuple[int, ...]
     bank: Bank
     label: Label = Label()
+    settings: bytes = BUILT_IN
 
 
 def encode(model: Model, key: bytes, label: Label = Label()) -> bytes:
@@ -141,7 +147,7 @@ def pack(image: ParameterImage, key: bytes) -> bytes:
     size = 4 * (HEADER_WORDS + TAIL_WORDS) + len(values)
     counts = (bank.slope.size, bank.weight.size)
     place = (label.device, label.build, label.counter)
-    body = struct.pack(HEADER, MAGIC, VERSION, size, *image.digest, *counts, *place) + values
+    body = struct.pack(HEADER, MAGIC, VERSION, size, *image.digest, *counts, *place) + values + image.settings
     body += struct.pack("<I", zlib.crc32(body))
     return body + struct.pack("<Q", siphash(key, body))
 
@@ -165,10 +171,16 @@ def decode(data: bytes, source: str = "image", key: bytes | None = None) -> Para
         raise ModelError(
             f"{source}: its MAC does not fit its bytes and this key; write it again with the firmware's key"
         )
-    values = np.frombuffer(data, "<f4", 3 * rules + weights, 4 * HEADER_WORDS).astype(np.float32)
+    bank = bank_of(data[4 * HEADER_WORDS :], rules, weights)
+    settings = data[-12 - SETTINGS_BYTES : -12]
+    return ParameterImage(tuple(digest), bank, Label(device, build, counter), settings)
+
+
+def bank_of(data: bytes, rules: int, weights: int) -> Bank:
+    """The numbers of a bank that begin `data`."""
+    values = np.frombuffer(data, "<f4", 3 * rules + weights).astype(np.float32)
     slope, offset, gain = values[: 3 * rules].reshape(3, rules)
-    bank = Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules :])
-    return ParameterImage(tuple(digest), bank, Label(device, build, counter))
+    return Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules :])
 
 
 def read_key(file: Path) -> bytes:

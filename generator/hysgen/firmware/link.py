@@ -1,8 +1,10 @@
 """Client of running firmware: commands over a serial line, with repetition of what is lost (wire.py has the frames)."""
 
+import json
 import struct
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, Protocol, Self
 
@@ -11,8 +13,22 @@ from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.host import FirmwareStatus, Request, State
-from hysgen.firmware.image import ANSWERS, Label, encode
-from hysgen.firmware.wire import ANSWER, CODES, PROTOCOL, Command, Identity, LinkStatus, command, payload, pieces
+from hysgen.firmware.image import ANSWERS, Label, ParameterImage, bank_of, decode, encode, pack
+from hysgen.firmware.wire import (
+    ANSWER,
+    CODES,
+    PROTOCOL,
+    SETTINGS_BYTES,
+    Command,
+    Identity,
+    LinkStatus,
+    Settings,
+    command,
+    payload,
+    pieces,
+    shortest,
+)
+from hysgen.float32.coefficients import Bank
 from hysgen.model.model import Model
 
 Floats = NDArray[np.float64]
@@ -71,6 +87,28 @@ def record_text(time_s: Floats, voltage_V: Floats, reading_um: Floats) -> str:
     rows = zip(time_s.tolist(), voltage_V.tolist(), reading_um.tolist(), strict=True)
     lines = (f"{t:.9g},{u:.9g},{y:.9g}" for t, u, y in rows)
     return "\n".join(("# hysgen link record", "time_s,voltage_V,displacement_um", *lines, ""))
+
+
+def kept_text(image: ParameterImage) -> str:
+    """Parameters and settings as JSON, for `read_kept`: numbers as the shortest decimals of their float32."""
+    numbers = {name: [shortest(float(x)) for x in values] for name, values in vars(image.bank).items()}
+    structure = "".join(f"{word:08x}" for word in image.digest)
+    settings = vars(Settings.unpack(image.settings))
+    result = {"structure": structure, "counter": image.label.counter, "settings": settings, "parameters": numbers}
+    return json.dumps(result, indent=2) + "\n"
+
+
+def read_kept(file: Path) -> ParameterImage:
+    """The inverse of `kept_text`, of a file. Raises ModelError for anything else."""
+    try:
+        given = json.loads(file.read_text(encoding="utf-8"))
+        bank = Bank(**{name: np.array(values, np.float32) for name, values in given["parameters"].items()})
+        digest = tuple(struct.unpack(">4I", bytes.fromhex(given["structure"])))
+        return ParameterImage(digest, bank, settings=Settings(**given["settings"]).pack())
+    except OSError as fault:
+        raise ModelError(f"{file}: cannot be read ({fault.strerror})") from fault
+    except (ValueError, KeyError, TypeError, AttributeError, struct.error) as fault:
+        raise ModelError(f"{file}: is not as hysgen link read writes it ({fault})") from fault
 
 
 def open_line(port: str, baud: int = BAUD) -> Line:
@@ -147,10 +185,31 @@ class Client:
         return status
 
     def install_model(self, model: Model, key: bytes, progress: Callable[[float], None] = lambda _: None) -> LinkStatus:
-        """`install` of a model's numbers, labelled for the device, build and counter that the firmware tells."""
+        """`keep` of a model's numbers and of the settings that are there."""
+        own = decode(encode(model, key))
+        return self.keep(replace(own, settings=self.stored().settings), key, progress)
+
+    def stored(self) -> ParameterImage:
+        """Parameters with which the next START begins, learnt ones among them, and settings of the next boot.
+
+        Raises HysgenError unless the stage rests.
+        """
+        identity, status = self.identity(), self.status()
+        if status.state not in (State.OFF, State.TRIPPED):
+            raise HysgenError("parameters and settings are read at rest; STOP first")
+        data, size = self._read(Command.KEPT, 1, 4096, lambda _: None)
+        label = Label(identity.device, identity.build, status.counter)
+        bank = bank_of(data, identity.rules, identity.weights)
+        return ParameterImage(identity.digest, bank, label, data[size - SETTINGS_BYTES : size])
+
+    def keep(self, image: ParameterImage, key: bytes, progress: Callable[[float], None] = lambda _: None) -> LinkStatus:
+        """`install` of parameters and settings, labelled for the device, build and counter that the firmware tells.
+
+        The parameters are those of the next START, the settings those of the next boot.
+        """
         identity, status = self.identity(), self.status()
         label = Label(identity.device, identity.build, status.counter + 1)
-        return self.install(encode(model, key, label), progress)
+        return self.install(pack(replace(image, label=label), key), progress)
 
     def record(
         self, times_s: Floats, voltages_V: Floats, progress: Callable[[float], None] = lambda _: None

@@ -8,14 +8,17 @@ Consistent overhead byte stuffing (Cheshire and Baker, 1999) removes every zero 
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Final
 
-PROTOCOL: Final = 4
+import numpy as np
+
+PROTOCOL: Final = 5
 ANSWER: Final = 0x80
 CHUNK: Final = 64
 """Bytes of a parameter image, table or record in one frame."""
@@ -32,6 +35,7 @@ class Command(IntEnum):
     TABLE = 6
     RECORD = 7
     TRACE = 8
+    KEPT = 9
 
 
 CODES: Final = ("done", "no such command", "too few or too many data", "a value out of range or order")
@@ -46,7 +50,8 @@ class LinkStatus:
     output_V, reference_um, offset_um: of the last sample.
     image_answer, image_pending, received: of the parameter image that arrived last. counter: of the image in use, 0 for
     none. commits, commit_answer, updates, rejected: of learning. cycles_last, cycles_most: of the interrupt. selftest:
-    mismatches at boot. stack_bytes: of the stack that were never used.
+    mismatches at boot. stack_bytes: of the stack that were never used. read_back_V: voltage behind the D/A by the scale
+    as built, None where the board does not read it.
     """
 
     state: int
@@ -69,11 +74,69 @@ class LinkStatus:
     cycles_most: int
     selftest: int
     stack_bytes: int
+    read_back_V: float | None
 
     @classmethod
     def unpack(cls, data: bytes) -> LinkStatus:
         """Raises struct.error for data of another length."""
-        return cls(*struct.unpack("<4I4f12I", data))
+        *words, read_back_V = struct.unpack("<4I4f12If", data)
+        return cls(*(*words, None if math.isnan(read_back_V) else read_back_V))
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The settings_t of settings.h, options as booleans, in its order.
+
+    Defaults: the virtual stage, amplifier -20 .. 120 V, sensor -3.3 .. 13.1 um.
+    """
+
+    trim: bool = False
+    learn: bool = False
+    keep: bool = False
+    no_offset: bool = False
+    off_V: float = 0.0
+    low_V: float = -20.0
+    high_V: float = 120.0
+    step_V: float = 1.5
+    ramp_V: float = 0.02
+    power_samples: int = 100
+    loop_low_V: float = 22.0
+    loop_high_V: float = 56.0
+    hold_samples: int = 4096
+    offset_um: float = 1.0
+    state_samples: int = 250_000
+    reference_step_um: float = 0.02
+    follow_um: float = 0.0
+    trim_integral: float = 0.004
+    trim_limit_um: float = 0.25
+    reading_zero_um: float = 0.0
+    reading_gain: float = 1.0
+    output_zero_V: float = 0.0
+    output_gain: float = 1.0
+
+    def pack(self) -> bytes:
+        """The words of settings_t."""
+        values = vars(self)
+        options = sum(values[name] << bit for bit, name in enumerate(OPTIONS))
+        return SETTINGS.pack(options, *(value for name, value in values.items() if name not in OPTIONS))
+
+    @classmethod
+    def unpack(cls, data: bytes) -> Settings:
+        """Raises struct.error for data of another length."""
+        options, *words = SETTINGS.unpack(data)
+        return cls(*(bool(options >> bit & 1) for bit in range(len(OPTIONS))), *map(shortest, words))
+
+
+OPTIONS: Final = ("trim", "learn", "keep", "no_offset")
+SETTINGS: Final = struct.Struct(
+    "<I" + "".join({"float": "f", "int": "I"}.get(str(field.type), "") for field in fields(Settings))
+)
+SETTINGS_BYTES: Final = SETTINGS.size
+
+
+def shortest(number: float) -> float:
+    """A float32, or a whole number, as the shortest decimal that is read back as the same float32."""
+    return float(str(np.float32(number))) if isinstance(number, float) else number
 
 
 IDENTITY: Final = struct.Struct("<6IQ?3x5I8fI")

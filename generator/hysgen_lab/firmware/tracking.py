@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError
 from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
+from hysgen.firmware.host import HostFirmware, HostImage, State
+from hysgen.firmware.wire import Settings
 from hysgen.fitting import FitSettings
 from hysgen.model.model import Model
 from hysgen.model.path import preview

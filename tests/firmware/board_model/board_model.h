@@ -60,6 +60,7 @@ typedef struct {
     uint32_t adc_resets;        /* RESET is high */
     uint32_t adc_ready;         /* a reset has ended since power on */
     int32_t adc_code[2];        /* the conversion before, the one that runs */
+    int32_t adc_back;           /* of V2 */
     uint32_t adc_reads, dac_code, dac_writes;
     uint64_t conversions;
 

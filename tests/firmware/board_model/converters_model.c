@@ -49,6 +49,7 @@ void convst_rises(board_model_t *model, double at)
     if (at < model->adc_done_at) {
         violated(model, "the A/D starts a conversion before the last one has ended");
     }
+    model->adc_back = (int32_t)model->dac_code - 32768;
     model->adc_code[0] = model->adc_code[1];
     model->adc_code[1] = (int32_t)fmin(fmax(code, -32768.0), 32767.0);
     model->adc_done_at = at + seconds(model, model->conversion_s);
@@ -83,8 +84,9 @@ uint32_t bus_load(board_model_t *model, uint32_t address, uint32_t size)
         violated(model, "the bus is read by another size than 16 bits");
     }
     if (address == 0x60000000u && reaches(model, 2u, 0u)) {
-        /* Reads behind BUSY give V1 to V8 in turn; only V1 is connected. During a conversion: the one before. */
-        const int32_t code = (model->adc_reads == 0u) ? model->adc_code[adc_busy(model) ? 0 : 1] : 0;
+        /* Reads behind BUSY give V1 to V8 in turn; V2 is at the D/A, no other is connected. During a conversion: the one before. */
+        const int32_t back = (model->adc_reads == 1u) ? model->adc_back : 0;
+        const int32_t code = (model->adc_reads == 0u) ? model->adc_code[adc_busy(model) ? 0 : 1] : back;
         if (adc_busy(model)) {
             violated(model, "the A/D is read while it converts");
         }

@@ -69,6 +69,7 @@ void hysgen_start(void)
     hysgen_console_word(0x09AFu);
     hysgen_console_end();
     drivers_flash_wrong = flash_wrong();
+    hysgen_board_calibrate(&board, 0.0f, 1.0f, 0.0f, 1.0f);
     hysgen_board_start(&board);
     for (;;) {
         if (hysgen_board_line_read(&board, &byte, 1u) != 0u) {

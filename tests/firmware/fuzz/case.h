@@ -20,6 +20,7 @@ typedef struct {
     uint32_t apart;            /* interrupts in a row in which model and stage are apart and no fault is told */
     uint32_t tracked;          /* interrupts in TRACK with a sound sensor since START */
     uint32_t lied;             /* the sensor repeated or invented a believable reading since START */
+    uint32_t calm;             /* interrupts per interrupt of a case without drift: events are rarer by as much */
     float drift;               /* of the sensor, from the first sample of TRACK on: per sample, */
     uint32_t drifts_offset;    /* in um, else a share of the displacement */
     uint32_t drifted;          /* samples of drift since START, 0: the sensor is sound */

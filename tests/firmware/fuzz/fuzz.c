@@ -11,9 +11,10 @@
 
 /* Between two numbers below 128 V a sum is rounded by at most 2^-18 V. */
 #define ROUNDING_V 4.0e-6f
-#define ROUNDING_UM 1.0e-4f
 #define NOISE_UM    1.0e-3f
 #define CALM        16u
+#define SLOW        256u
+#define SLOW_DRIFT  4.0e-6f  /* a half in 125 000 samples, 2.5 s */
 
 uint8_t fuzz_image[FUZZ_IMAGES][IMAGE_BYTES];
 model_bank_t fuzz_bank[FUZZ_IMAGES];
@@ -114,20 +115,20 @@ static void watch_sensor(fuzz_t *self, float y_um, float before_V)
     }
 }
 
-/* A reading that repeats itself is a fault once the input has moved by stuck_V since it was taken: a jump at its second sample. */
+/* A reading that repeats itself is a fault once the input has moved by WATCHDOG_STUCK_V since it was taken: a jump at its second sample. */
 static uint32_t broken_stuck(const fuzz_t *self, float before_V)
 {
     const controller_t *controller = &self->firmware.controller;
     const settings_t *s = &self->settings;
     const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK + 1u)
-        & (uint32_t)(number_size(before_V - self->same_V) > s->stuck_V + s->step_V + ROUNDING_V);
+        & (uint32_t)(number_size(before_V - self->same_V) > WATCHDOG_STUCK_V + s->step_V + ROUNDING_V);
     const uint32_t told = (uint32_t)((controller->status & STATUS_FAULTS) != 0u);
 
     return ((must != 0u) && (told == 0u)) ? FUZZ_STUCK : 0u;
 }
 
 /* Invariants of TRACK without a fault. Offset and trim are inside their limits. The stage is within follow_um of the displacement
- * that the firmware expects of it, or outside no longer than the watchdog's leaky count allows: 9 times follow_samples.
+ * that the firmware expects of it, or outside no longer than WATCHDOG_ASTRAY; not judged while readings are none.
  *
  * The expected displacement is the model's plus the offset that HOLD found, without the trim's correction: an amplifier that fails
  * before HOLD may leave an offset of up to offset_um between model and stage (seed 5590 of the fuzzer without this term). A sensor
@@ -138,17 +139,17 @@ static uint32_t broken_tracking(fuzz_t *self)
     const settings_t *s = &self->settings;
     const float trim_um = ((s->options & SETTINGS_TRIM) != 0u) ? s->trim_limit_um : 0.0f;
     const uint32_t tracks = (uint32_t)((controller->state == CONTROLLER_TRACK) && ((controller->status & STATUS_FAULTS) == 0u));
-    const uint32_t judged = tracks & (uint32_t)(self->lied == 0u);
+    const uint32_t judged = tracks & (uint32_t)(self->lied == 0u) & (uint32_t)(self->board.fault != HOST_FAULT_READING);
     uint32_t broken = 0u;
     uint32_t far;
 
     self->tracked += judged;
-    far = (uint32_t)(number_size(self->stage.y_um - controller->expected_um[controller->oldest]) > controller->watchdog.follow_um + ROUNDING_UM);
+    far = (uint32_t)(number_size(self->stage.y_um - controller->expected_um[controller->oldest]) > controller->watchdog.follow_um + NOISE_UM);
     self->apart = ((judged & far) != 0u) ? self->apart + 1u : 0u;
     if ((tracks != 0u) && ((number_size(controller->offset_um) > s->offset_um)
                            || (number_size(controller->trim.correction_um) > trim_um))) {
         broken = FUZZ_CORRECTION;
-    } else if (self->apart > 9u * s->follow_samples + 9u) {
+    } else if (self->apart > WATCHDOG_ASTRAY + 9u) {
         broken = FUZZ_APART;
     } else {
         /* Good. */
@@ -156,7 +157,7 @@ static uint32_t broken_tracking(fuzz_t *self)
     return broken;
 }
 
-/* A sensor that drifts from the first sample of TRACK on is told once its reading has been wrong by more than follow_um for follow_samples,
+/* A sensor that drifts from the first sample of TRACK on is told once its reading has been wrong by more than follow_um for WATCHDOG_ASTRAY,
  * whatever trim and learning make of it: the stage is the model of START. wrong_um: of the reading of this interrupt. */
 static uint32_t broken_drift(fuzz_t *self, float wrong_um)
 {
@@ -174,7 +175,7 @@ static uint32_t broken_drift(fuzz_t *self, float wrong_um)
         self->lied = 1u;
     }
     self->untold = ((tracks & far) != 0u) && (self->spoiled == 0u) ? self->untold + 1u : 0u;
-    return (self->untold > self->settings.follow_samples + 2u) ? FUZZ_DRIFT : 0u;
+    return (self->untold > WATCHDOG_ASTRAY + 2u) ? FUZZ_DRIFT : 0u;
 }
 
 /* Features of this interrupt: the state's change and each bit of the status word in this state. */
@@ -312,17 +313,26 @@ static void reset(fuzz_t *self)
 uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64_t *tracked)
 {
     static fuzz_t self;
+    uint32_t slow;
 
     memset(&self, 0, sizeof self);
     fuzz_reached = features;
     self.random = seed * 0x9E3779B97F4A7C15u + 0x1234567u;
     (void)fuzz_word(&self);
-    /* Every sixteenth sensor drifts, by a half in 500 to 8000 samples either way, in a long case of few events. */
+    /* Every sixteenth sensor drifts, by a half in 500 to 8000 samples either way, in a long case of few events; every 4096th so slowly, in a
+     * case of few more, that trim and learning follow it from commit to commit. */
+    slow = (uint32_t)((seed & 4095u) == 4095u);
     self.drift = ((seed & 15u) == 15u) ? 0.001f / (float)(1u + ((seed >> 6) & 15u)) : 0.0f;
-    self.drift = ((seed & 16u) != 0u) ? self.drift : -self.drift;
-    self.drifts_offset = (uint32_t)(seed >> 5) & 1u;
-    interrupts *= (self.drift != 0.0f) ? CALM : 1u;
+    self.drift = (slow != 0u) ? SLOW_DRIFT : self.drift;
+    self.drift = ((seed & 16u) != (seed >> 12 & 16u)) ? self.drift : -self.drift;
+    self.drifts_offset = (uint32_t)((seed >> 5) ^ (seed >> 13)) & 1u;
+    self.calm = (slow != 0u) ? SLOW : CALM;
+    self.calm = (self.drift != 0.0f) ? self.calm : 1u;
     fuzz_settings(&self);
+    if (slow != 0u) {
+        self.settings.options |= SETTINGS_TRIM | SETTINGS_LEARN;
+        self.kind = 1u;
+    }
     memset(self.board.store, 0xFF, sizeof self.board.store);
     for (uint32_t i = 0u; i < 16u; ++i) {
         self.owner.key[i / 4u] |= (i + 1u) << (8u * (i % 4u));  /* of fixtures/firmware_bench.py */
@@ -336,14 +346,14 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     self.built_in = self.firmware.controller.bank;
     self.stored = FUZZ_IMAGES;
     ask(&self);
-    while ((self.k < interrupts) && (self.broken == 0u)) {
-        if (fuzz_below(&self, (self.drift != 0.0f) ? 60u * CALM : 60u) == 0u) {
+    while ((self.k < self.calm * interrupts) && (self.broken == 0u)) {
+        if (fuzz_below(&self, 60u * self.calm) == 0u) {
             fuzz_event(&self);
         }
         interrupt(&self);
         fuzz_preempted_idle(&self, interrupt);
         look_at_parameters(&self);
-        if ((self.board.bytes_to_cut == 0u) || (fuzz_below(&self, 1000u) == 0u)) {
+        if ((self.board.bytes_to_cut == 0u) || (fuzz_below(&self, (slow != 0u) ? 1000u * SLOW : 1000u) == 0u)) {
             reset(&self);
         }
     }

@@ -42,14 +42,12 @@ void fuzz_settings(fuzz_t *self)
     s->offset_um = fuzz_float(self, 0.3f, 2.0f);
     s->state_samples = 20000u + fuzz_below(self, 100000u);
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
-    s->stuck_V = fuzz_float(self, 0.1f, 2.0f);
     s->follow_um = fuzz_float(self, 0.05f, 1.0f);
     s->follow_um = (s->follow_um < 0.9f) ? s->follow_um : 0.0f;
-    s->follow_samples = 1u + fuzz_below(self, 50u);
-    s->bad_samples = 1u + fuzz_below(self, 20u);
     s->trim_integral = fuzz_float(self, 0.0f, 0.02f);
     s->trim_limit_um = fuzz_float(self, 0.0f, 0.5f);
-    s->commit_pause = fuzz_below(self, 500u);
+    s->reading_gain = 1.0f;
+    s->output_gain = 1.0f;
     if (fuzz_below(self, 4u) == 0u) {
         voltages[fuzz_below(self, 5u)] = (fuzz_below(self, 2u) != 0u) ? any(self) : fuzz_float(self, -150.0f, 150.0f);
     }
@@ -122,7 +120,7 @@ static uint32_t send_commands(fuzz_t *self)
         for (uint32_t j = 0u; j < sizeof payload; ++j) {
             payload[j] = (uint8_t)fuzz_word(self);
         }
-        payload[0] = (uint8_t)fuzz_below(self, 8u);
+        payload[0] = (uint8_t)fuzz_below(self, 10u);
         payload[2] = (uint8_t)fuzz_below(self, 5u);
         end = command(self, end, payload, 2u + fuzz_below(self, 7u));
     }

@@ -46,7 +46,7 @@ static PLAIN void accessed(uintptr_t from)
         preempt_count += 1u;
         place(from);
         /* As from a push-button of the board. */
-        if (fuzz_below(preempt_case, 512u) == 0u) {
+        if (fuzz_below(preempt_case, 512u * preempt_case->calm) == 0u) {
             preempt_case->firmware.controller.request = fuzz_below(preempt_case, 4u);
         }
         preempt_interrupt(preempt_case);

@@ -158,7 +158,7 @@ def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks
     assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)
 
 
-PAGE = Path(__file__).resolve().parents[3] / "docs" / "firmware.md"
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "firmware_results.md"
 FETCH, LOAD, STORE = AccessKind.FETCH, AccessKind.LOAD, AccessKind.STORE
 
 

@@ -20,7 +20,7 @@ from hysgen_lab.firmware.reference_models import firmware_models
 from hysgen_lab.firmware.tracking import controllers, run_controller
 
 FOLDERS = Path(__file__).resolve().parents[3] / "firmware" / "models"
-PAGE = FOLDERS.parents[1] / "docs" / "firmware.md"
+PAGE = FOLDERS.parents[1] / "docs" / "firmware_results.md"
 MODELS = {model.name: model for model in firmware_models()}
 
 
@@ -52,7 +52,7 @@ longest = functools.cache(lambda name: static_bounds(name, compiled(name)))
 
 
 def on_page(row: str, name: str) -> str:
-    """The cell of docs/firmware.md in the row that begins with `row`, in the column of the model."""
+    """The cell of docs/firmware_results.md in the row that begins with `row`, in the column of the model."""
     found = [
         line for line in PAGE.read_text(encoding="utf-8").splitlines() if re.match(rf"\| {re.escape(row)}\b", line)
     ]

@@ -17,7 +17,7 @@ from hysgen.errors import BuildError, ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import FirmwareStatus, Request, State
 from hysgen.firmware.image import Label, encode, read_key
-from hysgen.firmware.link import BAUD, Client, open_line, read_table, record_text
+from hysgen.firmware.link import BAUD, Client, kept_text, open_line, read_kept, read_table, record_text
 from hysgen.firmware.wire import LinkStatus
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
@@ -122,32 +122,40 @@ Talk to running firmware over its serial line: state, start, stop, clear, refere
     hysgen link /dev/ttyUSB0 reference 2.1        (um; without a number: the board's own reference again)
     hysgen link /dev/ttyUSB0 image FILE           (written by hysgen image)
     hysgen link /dev/ttyUSB0 install MODEL --key FILE
+    hysgen link /dev/ttyUSB0 read -o FILE         (parameters, learnt ones too, and settings, as JSON)
+    hysgen link /dev/ttyUSB0 write FILE --key FILE
     hysgen link /dev/ttyUSB0 record TABLE -o record.csv   (plays its voltages: time_s,voltage_V)
     hysgen link /dev/ttyUSB0 trace -o trace.csv           (the 1024 samples around the first fault)
 
 Needs pyserial (pip install 'hysgen[link]')."""
 
-ACTIONS = ("status", "identify", "start", "stop", "clear", "reference", "image", "install", "record", "trace")
+ACTIONS = (
+    *("status", "identify", "start", "stop", "clear", "reference"),
+    *("image", "install", "read", "write", "record", "trace"),
+)
 
 
 def link_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("port", metavar="PORT", help="serial port, or a URL of pyserial such as socket://host:port")
     parser.add_argument("action", nargs="?", default="status", choices=ACTIONS, help="default: status")
     parser.add_argument(
-        "value", nargs="?", metavar="VALUE", help="of reference (um), image (file), install (model), record (table)"
+        "value",
+        nargs="?",
+        metavar="VALUE",
+        help="of reference (um), image, write, record (file), install (model)",
     )
     parser.add_argument("--baud", type=int, default=BAUD, help="bits per second (default %(default)s)")
-    parser.add_argument("-o", "--output", metavar="FILE", help="of record and trace: what the sensor read")
-    parser.add_argument("--key", metavar="FILE", help="file with the key of install, 32 hexadecimal digits")
+    parser.add_argument("-o", "--output", metavar="FILE", help="of record, trace and read")
+    parser.add_argument("--key", metavar="FILE", help="file with the key of install and write, 32 hexadecimal digits")
 
 
 def run_link(arguments: argparse.Namespace, console: Console) -> int:
-    needs = arguments.action in ("image", "install", "record")
+    needs = arguments.action in ("image", "install", "write", "record")
     if (arguments.value is None) == needs and (needs or arguments.action != "reference"):
         raise ModelError(
             f"{arguments.action}: " + ("name the file, model or table to send" if needs else "takes no value")
         )
-    written, signed = arguments.action in ("record", "trace"), arguments.action == "install"
+    written, signed = arguments.action in ("record", "trace", "read"), arguments.action in ("install", "write")
     for given, flag, asked in ((arguments.output, "-o", written), (arguments.key, "--key", signed)):
         if (given is None) == asked:
             raise ModelError(f"{arguments.action}: " + (f"takes no {flag}" if given else f"name the file: {flag} FILE"))
@@ -177,6 +185,13 @@ def _act(client: Client, arguments: argparse.Namespace, console: Console) -> Non
         client.install_model(
             load_model(value), read_key(Path(arguments.key)), lambda share: console.progress(share, "image")
         )
+    elif action == "read":
+        write_whole(Path(arguments.output), kept_text(client.stored()))
+    elif action == "write":
+        client.keep(
+            read_kept(Path(value)), read_key(Path(arguments.key)), lambda share: console.progress(share, "image")
+        )
+        console.say("its parameters drive from the next start on, its settings from the next boot on")
     elif action == "record":
         recorded = client.record(*read_table(Path(value)), lambda share: console.progress(share, "record"))
         write_whole(Path(arguments.output), record_text(*recorded))
@@ -202,5 +217,5 @@ def status_table(status: LinkStatus) -> str:
 VERBS = {
     "firmware": Verb(FIRMWARE_HELP, firmware_arguments, run_firmware, {"output": Output("-o", folder=True)}),
     "image": Verb(IMAGE_HELP, image_arguments, run_image, {"output": Output("-o")}),
-    "link": Verb(LINK_HELP, link_arguments, run_link, {"output": Output("-o", (".csv",))}),
+    "link": Verb(LINK_HELP, link_arguments, run_link, {"output": Output("-o", (".csv", ".json"))}),
 }
