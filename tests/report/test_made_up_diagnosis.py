@@ -68,7 +68,7 @@ def cause(name: str, step: Gain, share: float, **other: Any) -> NamedCause:
         f"evidence of {name}",
         9.0,
         step,
-        None,
+        other.pop("alone", None),
         0.987,
         20.0,
         1.5,
@@ -79,8 +79,10 @@ def cause(name: str, step: Gain, share: float, **other: Any) -> NamedCause:
 
 
 HUM = cause("periodic", Gain(0.5, 0.2, 0.25, 0.35, 1.0), 0.8, price=Price(40, 24))
-HUM = dataclasses.replace(HUM, parameters={"f_Hz": Estimate(50.0, 0.01), "s": Estimate(2.0, math.nan)})
+LINE = {"f_Hz": Estimate(50.0, 0.01), "amplitude_um": Estimate(2.0, math.nan)}
+HUM = dataclasses.replace(HUM, parameters=LINE, alone=Gain(0.3, 0.1, 0.1, 0.3, 1.0))
 CREEP = cause("creep", Gain(0.2, 0.1, -0.02, 0.15, 0.9), 0.15, price=Price(-7, 12))
+CREEP = dataclasses.replace(CREEP, parameters={key: Estimate(0.02, math.nan) for key in ("per_decade", "from_s")})
 
 
 def error_map(scale: float) -> ErrorMap:
@@ -230,12 +232,22 @@ def test_terminal_shows_rows_notes_evidence_and_refusals() -> None:
         words.CONFIDENCE, "taken out of own: a step",
     ]  # fmt: skip
     assert blocks[3].splitlines() == [
-        "periodic: evidence of periodic (f 50.000 ± 0.010 Hz, s 2)", "creep: evidence of creep",
+        "periodic: evidence of periodic (f 50.000 ± 0.010 Hz, amplitude 2 um)",
+        "creep: evidence of creep (per decade 0.02, from 0.02 s)",
         "not named: delay: too short", "could show drift: only an effect of at least 0.5 um",
     ]  # fmt: skip
-    assert blocks[4].splitlines()[0].split() == ["error", "rms", "by", "paper's", "model", "extended"]
-    assert blocks[5].splitlines()[0] == "model: 2 rules"
-    assert blocks[6] == "next experiment: rest longer"
+    advised = blocks[4].splitlines()
+    assert (advised[0], len(advised)) == ("what to do about periodic", 1 + 5 + 3)
+    # sqrt(0.25 - 0.8 (0.25 - 0.0001)) um.
+    assert (
+        advised[-1]
+        == "gain: cured alone, it takes the paper's model from 0.5 to 0.224 um; cured last, from 0.3 to 0.1 um"
+    )
+    assert blocks[5].splitlines()[0] == "what to do about creep"
+    assert blocks[5].splitlines()[-1] == "gain: cured alone, it takes the paper's model from 0.5 to 0.461 um"
+    assert blocks[6].splitlines()[0].split() == ["error", "rms", "by", "paper's", "model", "extended"]
+    assert blocks[7].splitlines()[0] == "model: 2 rules"
+    assert blocks[8] == "next experiment: rest longer"
     plain = words.diagnosis_text(study()).split("\n\n")
     assert words.CONFIDENCE not in plain[2]
     assert plain[3].splitlines()[0].split() == ["error", "rms", "by", "paper's", "model"]
@@ -382,8 +394,8 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     by_title = {section.title: section for section in page.sections}
     causes = by_title["Causes and their evidence"]
     assert cells(causes) == [
-        ["creep", "15.0 %", "0.987", "evidence of creep", ""],
-        ["periodic", "10.0 %", "0.987", "evidence of periodic", "f 50.000 ± 0.010 Hz, s 2"],
+        ["creep", "15.0 %", "0.987", "evidence of creep", "per decade 0.02, from 0.02 s"],
+        ["periodic", "10.0 %", "0.987", "evidence of periodic", "f 50.000 ± 0.010 Hz, amplitude 2 um"],
         ["drift", "not extended", "0.987", "evidence of drift", ""],
         ["unknown", "4.0 %", "", "a jump", ""],
     ]
@@ -393,6 +405,15 @@ def test_sections_of_a_page_hold_the_causes_the_ladder_and_their_pictures() -> N
     assert cells(tells) == [["periodic", "yes: named"], ["slew", "only an effect of at least 0.5 V/s"]]
     assert cells(tells, 1) == [["delay", "too short"]]
     assert tells.text == ["Next experiment: rest longer."]
+    cards = by_title["What to do to the stage"].cards
+    titles = [card.title for card in cards]
+    assert titles == [
+        "creep, 15.0 % of the error",
+        "periodic, 10.0 % of the error",
+        "unknown",
+    ]
+    assert [card.drawing[:5] for card in cards] == ["", "<svg ", ""], "the model has no creep"
+    assert [head for head, _ in cards[0].lines] == ["means", "change", "gain"]
     ladder = next(section for title, section in by_title.items() if title.startswith("What each"))
     assert cells(ladder) == whole.ladder()
     assert ladder.notes[:2] == [whole.diagnosis.remaining.line(), "Taken out: a step."]

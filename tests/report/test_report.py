@@ -40,6 +40,7 @@ pytestmark = pytest.mark.slow
 """Every page needs a diagnosis, or generated C that was verified."""
 
 SECTIONS = (
+    "What to do to the stage",
     "Causes and their evidence",
     "What each extension gains, and its price",
     "Where the error lies",

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
 from hysgen.diagnosis.answer import Diagnosis, NamedCause
-from hysgen.diagnosis.causes import Estimate
+from hysgen.diagnosis.causes import Estimate, causes
 from hysgen.diagnosis.causes.hysteresis import FOLLOWS
 from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import fit_ladder, with_best_forms
 from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.procedure import DiagnoseSettings, Naming, Progress, diagnose, name_causes
+from hysgen.diagnosis.remedy import Advice, Seen, Sketch
 from hysgen.display import Displayed, Summary
 from hysgen.fitting import FitSettings
 from hysgen.model.model import Model
@@ -37,6 +38,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+SEEN_SHARE = 0.005
+"""Share of the error's power below which a cause alone makes no difference that three digits show."""
+
 LADDER = (
     "step",
     "free run um",
@@ -49,6 +53,16 @@ LADDER = (
     "confidence",
 )
 """Column heads of `Study.ladder`."""
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Advice on a named cause, what it would gain in words, and its small pictures if there are any."""
+
+    name: str
+    advice: Advice
+    gain: str
+    sketch: Sketch | None
 
 
 @dataclass(frozen=True)
@@ -180,9 +194,45 @@ class Study(Displayed):
         time_s = segment.start_s + self.record.Ts_s * np.arange(inside.start, inside.stop, dtype=np.float64)
         return HeldOut(time_s, segment.u_V[inside], measured, measured + base, measured + extended)
 
+    def remedies(self) -> list[Remedy]:
+        """Advice on each named cause with known parameters, the largest share first, and on what no cause explains."""
+        ranked = sorted(self.diagnosis.causes, key=lambda cause: -cause.share)
+        named = [(cause.name, self.by_how_much(cause), cause.parameters) for cause in ranked if cause.parameters]
+        named += [("unknown", "not known: no model has it", {})] if self.diagnosis.unknown else []
+        remedies = []
+        for name, gain, parameters in named:
+            values = {key: estimate.value for key, estimate in parameters.items()}
+            seen = Seen(values, self.model, self.span_um, self.diagnosis.noise.rms_um)
+            if (advice := causes()[name].advice(seen)) is not None:
+                remedies.append(Remedy(name, advice, gain, causes()[name].sketch(seen)))
+        return remedies
+
+    def by_how_much(self, cause: NamedCause) -> str:
+        """What a stage without the cause would gain, of this record's own figures.
+
+        sqrt(base^2 - share (base^2 - noise^2)) of the paper's model; beside all other extensions, on left-out rows
+        """
+        base_um, noise_um = self.diagnosis.base_rms_um, self.diagnosis.noise.rms_um
+        without_um = math.sqrt(base_um**2 - cause.share * max(base_um**2 - noise_um**2, 0.0))
+        said = []
+        if cause.share >= SEEN_SHARE:
+            said.append(f"cured alone, it takes the paper's model from {base_um:.3g} to {without_um:.3g} um")
+        if cause.alone is not None:
+            said.append(f"cured last, from {cause.alone.before_um:.3g} to {cause.alone.after_um:.3g} um")
+        return "; ".join(said) or "not measured: the reading is wrong, not the stage"
+
     def to_json(self) -> dict[str, Any]:
-        """The diagnosis and the error maps of the held-out rows as plain JSON values."""
+        """The diagnosis, advice on its causes, and the error maps of the held-out rows as plain JSON values."""
         return self.diagnosis.to_json() | {
+            "remedies": [
+                {
+                    "cause": remedy.name,
+                    "means": remedy.advice.means,
+                    "change": remedy.advice.change,
+                    "gain": remedy.gain,
+                }
+                for remedy in self.remedies()
+            ],
             "record": {
                 "source": self.record.source,
                 "digest": self.record.digest,

@@ -98,14 +98,24 @@ class PageTable:
 
 
 @dataclass(frozen=True)
+class Card:
+    """A small drawing, an SVG element or none, with what is said about it, by heads."""
+
+    title: str
+    drawing: str
+    lines: Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True)
 class PageSection:
-    """A section of the page: sentences, pictures, tables, then notes in small print."""
+    """A section of the page: sentences, pictures, tables, cards, then notes in small print."""
 
     title: str
     text: Sequence[str] = ()
     pictures: Sequence[Picture] = ()
     tables: Sequence[PageTable] = ()
     notes: Sequence[str] = ()
+    cards: Sequence[Card] = ()
 
     @property
     def anchor(self) -> str:

@@ -22,6 +22,7 @@ from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
 from hysgen.report.page import (
     PALETTE,
+    Card,
     KeyFigure,
     Page,
     PageSection,
@@ -46,6 +47,7 @@ from hysgen.report.plots.traces import (
     response_pictures,
     time_picture,
 )
+from hysgen.report.sketches import svg
 from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, total_price, warnings
 from hysgen.uncertainty.simulated import Characterisation
 
@@ -183,6 +185,7 @@ def diagnosis_page(
         warnings=warnings(study),
         figures=key_figures(study, report, price),
         sections=[
+            *_remedies(study),
             _causes(study),
             _ladder(drawn, study),
             _error(drawn, study),
@@ -282,6 +285,20 @@ def _error(drawn: dict[str, Picture], study: Study) -> PageSection:
         pictures=[drawn[name] for name in ("profiles", "time", "horizon", "spectrum")],
         notes=["Error: simulated - measured. A gap in a line: the record has no such samples."],
     )
+
+
+def _remedies(study: Study) -> list[PageSection]:
+    shares = {cause.name: share_text(cause) for cause in study.diagnosis.causes}
+    cards = [
+        Card(
+            f"{remedy.name}, {shares[remedy.name]} of the error" if remedy.name in shares else remedy.name,
+            svg(remedy.sketch, remedy.name) if remedy.sketch else "",
+            [("means", remedy.advice.means), ("change", remedy.advice.change), ("gain", remedy.gain)],
+        )
+        for remedy in study.remedies()
+    ]
+    note = "Pictures: the model of this record, with the cause and without it, on one scale."
+    return [PageSection("What to do to the stage", cards=cards, notes=[note])] if cards else []
 
 
 def _causes(study: Study) -> PageSection:

@@ -11,11 +11,12 @@ from hysgen.codegen.operations.cycles import cycles_of, per_sample
 from hysgen.diagnosis.answer import Price
 from hysgen.diagnosis.causes import Estimate
 from hysgen.diagnosis.error_map import range_in_words
-from hysgen.diagnosis.evaluation import LADDER, Study
+from hysgen.diagnosis.evaluation import LADDER, Remedy, Study
 from hysgen.display import decimal, table
 from hysgen.errors import BudgetError, CertificateError
 from hysgen.model.model import Model
 from hysgen.record.relation import coherent_share, fed_back, misaligned, unrelated
+from hysgen.report.sketches import dotted
 
 UNITS = {
     "half_widths": "of each half-width per factor e of time",
@@ -71,6 +72,7 @@ def diagnosis_text(study: Study) -> str:
     ]
     if evidence:
         blocks.append("\n".join(evidence))
+    blocks += [remedy_text(study, remedy) for remedy in study.remedies()]
     header = ["error rms by", "paper's model", *(["extended"] if study.improved else [])]
     blocks.append(table(header, where_rows(study), left=3))
     model = diagnosis.model
@@ -79,6 +81,22 @@ def diagnosis_text(study: Study) -> str:
     if diagnosis.next_experiment:
         blocks.append(f"next experiment: {diagnosis.next_experiment}")
     return "\n\n".join(blocks)
+
+
+def remedy_text(study: Study, remedy: Remedy) -> str:
+    """What to do about a cause, with its pictures where its share is more than SMALLEST_SHARE."""
+    shares = {cause.name: cause.share for cause in study.diagnosis.causes}
+    large = shares.get(remedy.name, 0.0) >= SMALLEST_SHARE
+    lines = dotted(remedy.sketch, remedy.name) if large and remedy.sketch else []
+    return "\n".join(
+        [
+            f"what to do about {remedy.name}",
+            *lines,
+            f"means: {remedy.advice.means}",
+            f"change: {remedy.advice.change}",
+            f"gain: {remedy.gain}",
+        ]
+    )
 
 
 def _rows_of(study: Study) -> str:

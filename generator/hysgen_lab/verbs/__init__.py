@@ -20,6 +20,7 @@ LABORATORY = Program(
             "experiments": ("studies", "the paper's experiments on the virtual stage"),
             "track": ("studies", "the complete firmware on the virtual stage"),
             "bank": ("studies", "how often a diagnosis of hidden effects is right"),
+            "gallery": ("studies", "what each cause does to the virtual stage, in small pictures"),
             "endurance": ("studies", "the learner for hours of poor and broken excitation"),
         }
     },

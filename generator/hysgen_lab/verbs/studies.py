@@ -1,6 +1,6 @@
 """Studies on the virtual stage: the paper's experiments, the bank of hidden effects, endurance.
 
-track: the complete firmware on the virtual stage.
+track: the complete firmware on the virtual stage; gallery: pictures of each cause.
 """
 
 import argparse
@@ -13,12 +13,14 @@ from hysgen.cli.outputs import Output
 from hysgen.cli.verbs import Verb
 from hysgen.display import table
 from hysgen.errors import HysgenError
+from hysgen.machine.files import write_whole
 from hysgen_lab.firmware.tracking import PAPER_NM, SECONDS, TrackingResult, track
 from hysgen_lab.stage.families import FAMILIES
 from hysgen_lab.studies.bank import CATEGORIES, OWN, Judgement, limits, limits_table
 from hysgen_lab.studies.bank import run as judge_bank
 from hysgen_lab.studies.endurance import ALLOWED_RATIO, CASES, HEADINGS, endurance_tests, rows
 from hysgen_lab.studies.endurance import run as endure
+from hysgen_lab.studies.gallery import gallery
 from hysgen_lab.studies.paper.results import repeat_all
 
 EXPERIMENTS_HELP = """\
@@ -200,7 +202,24 @@ def tracking_table(results: list[TrackingResult], noise_nm: float) -> str:
     return table(header, rows) + f"\nsensor: {noise_nm:.2f} nm rms; the paper's own stage, by its inverse: {paper}"
 
 
+GALLERY_HELP = """\
+Draw what each cause does to the virtual stage, with it and without it: a page and small pictures (SVG)."""
+
+
+def gallery_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder of the page")
+
+
+def run_gallery(arguments: argparse.Namespace, console: Console) -> int:
+    files = gallery()
+    for name, text in files.items():
+        write_whole(Path(arguments.output) / name, text)
+    console.say(f"written: {len(files)} files in {arguments.output}")
+    return console.finish({"files": sorted(files)})
+
+
 VERBS = {
+    "gallery": Verb(GALLERY_HELP, gallery_arguments, run_gallery, {"output": Output("-o", folder=True)}),
     "experiments": Verb(
         EXPERIMENTS_HELP, experiments_arguments, run_experiments, {"output": Output("-o", folder=True)}
     ),

@@ -1,5 +1,6 @@
 """Aging: the gain changes during the record; the error is proportional to the displacement and grows with time."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,6 +12,7 @@ from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors, whitened_fit
+from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, strokes
 from hysgen.model.part import STEP
 
 Floats = NDArray[np.float64]
@@ -118,6 +120,22 @@ class AgingCause(Cause):
                 "per_s": Estimate(rate, error),
             },
         )
+
+    def advice(self, seen: Seen) -> Advice:
+        holds_s = seen.noise_um / seen.stroke_um / max(abs(seen.values["per_s"]), 1e-12)
+        return Advice(
+            f"the same voltage moves the stage by {100.0 * seen.values['fraction']:+.2g} % at the end of the record",
+            f"let it warm up or settle after poling; identify again (hysgen refit) every {holds_s:.2g} s to stay "
+            "at the noise, let the learner follow, or close a loop around the sensor",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        seconds = 0.2 / max(abs(values["per_s"]), 1e-12)
+        return strokes(seconds, seconds / POINTS, 8)
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
+        free_um = seen.stroke_um * motion.levels
+        return free_um * (1.0 + seen.values["per_s"] * motion.time_s), free_um
 
     def extension(self, residual: Residual) -> Extension:
         scene = residual.scene

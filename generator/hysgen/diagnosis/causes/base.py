@@ -5,6 +5,7 @@ bounds of its parameters, under which conditions it acts on a record, and the ev
 """
 
 import abc
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, Sketch
 from hysgen.model.disturbances import Term
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
@@ -238,3 +240,32 @@ class Cause(abc.ABC):
     def effect(self, residual: Residual) -> Effect | None:
         """The effect of the cause per unit of its amount beside a chain without it; None if it is not excited."""
         return None
+
+    def advice(self, seen: Seen) -> Advice | None:
+        """What the cause means, and what to change in the stage; None if nothing is known."""
+        return None
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion | None:
+        """The motion that shows the cause with these parameters; None if none does."""
+        return None
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats] | None:
+        """The displacement, (n,), with the cause and without it; None if the model does not have the cause.
+
+        By default that of the model, and of the model without the part of the cause. Other terms are left out.
+        """
+        model, kind = seen.model, self.kind or self.name
+        u_V = model.u_min_V + motion.levels * (model.u_max_V - model.u_min_V)
+        sizes = np.cumsum([0, *(term.size for term in model.terms)])
+        own = [i for i, term in enumerate(model.terms) if term.kind == kind]
+        terms, weights = tuple(model.terms[i] for i in own), [model.weights[sizes[i] : sizes[i + 1]] for i in own]
+        acting = dataclasses.replace(model, terms=terms, weights=np.concatenate([np.zeros(0), *weights]))
+        blocks = tuple(block for block in model.blocks if block.kind != kind)
+        free = dataclasses.replace(model, terms=(), weights=np.zeros(0), blocks=blocks)
+        return None if acting == free else (acting.simulate(u_V), free.simulate(u_V))
+
+    def sketch(self, seen: Seen) -> Sketch | None:
+        """Two small pictures, with the cause and without it; None if there are none."""
+        motion = self.motion(seen.values, seen.model.Ts_s)
+        both = None if motion is None else self.motions_um(motion, seen)
+        return None if motion is None or both is None else Sketch.of(motion, *both)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -22,6 +23,7 @@ from hysgen.diagnosis.probe import (
     standard_errors,
     whitened_fit,
 )
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, voltage_step
 from hysgen.model.path.creep import Creep
 
 Floats = NDArray[np.float64]
@@ -146,6 +148,18 @@ class CreepCause(Cause):
             text=f"after a move the output goes on by {100 * creep:.2f} % +- {100 * error:.2f} of it per decade",
             parameters={"per_decade": Estimate(creep, error), "from_s": Estimate(from_s, math.nan)},
         )
+
+    def advice(self, seen: Seen) -> Advice:
+        share, from_s = seen.values["per_decade"], seen.values["from_s"]
+        um = share * seen.stroke_um
+        return Advice(
+            f"after a full stroke the stage goes on by {um:.3g} um in each decade of time, from {from_s:.2g} s on",
+            f"wait before you measure: from {100.0 * from_s:.2g} to {200.0 * from_s:.2g} s it moves by "
+            f"{0.301 * um:.2g} um only; or let a slow integrator on the sensor, or the inverse of this model, hold it",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(100.0 * values["from_s"], Ts_s)
 
     def extension(self, residual: Residual) -> Extension:
         _, fit = whitened_fit(residual.scene, residual.fit)

@@ -5,7 +5,7 @@ at evenly spaced times, as that of a stage does whose surroundings warm up and c
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -28,6 +28,7 @@ from hysgen.diagnosis.probe import (
     standard_errors,
     whitened_fit,
 )
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, held
 from hysgen.display import decimal
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.model import Model
@@ -249,6 +250,24 @@ class DriftCause(Cause):
             text=text,
             parameters=parameters,
         )
+
+    def advice(self, seen: Seen) -> Advice:
+        slow = "warm up, shield from draughts, mount sensor and stage on one material"
+        if (per_s := seen.values.get("ramp_um_per_s")) is None:
+            return Advice(
+                "the stage wanders by itself, at a rate that changes", f"{slow}; refer to a fixed point often"
+            )
+        return Advice(
+            f"the stage moves by {decimal(60.0 * per_s, 2)} um in a minute whatever the voltage does",
+            f"{slow}; refer to a fixed point every {seen.noise_um / max(abs(per_s), 1e-12):.2g} s to stay at the noise",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion | None:
+        return held(60.0) if "ramp_um_per_s" in values else None
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
+        ramp_um = seen.values["ramp_um_per_s"] * motion.time_s
+        return ramp_um, np.zeros_like(ramp_um)
 
     def extension(self, residual: Residual) -> Extension:
         """The drift of the whitened fit; that of the fit itself if it bends: whitening weighs rates, not levels."""

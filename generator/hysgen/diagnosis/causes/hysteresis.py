@@ -6,6 +6,7 @@ Relaxation: domains switch by thermal activation, so the loop depends on the rat
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -17,6 +18,7 @@ from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, strokes
 from hysgen.display import decimal
 from hysgen.fitting.operator import CURVE, RELAXING, PathSize
 from hysgen.fitting.path import RELAXATIONS
@@ -112,6 +114,29 @@ class MemoryCause(Cause):
         parameters = {"loop_um": Estimate(width_um, math.nan), "loop_Hz": Estimate(f_Hz, math.nan)}
         return Signature(signature.z, f"{signature.text}; {words}", parameters)
 
+    def advice(self, seen: Seen) -> Advice:
+        model, f_Hz = seen.model, seen.values["loop_Hz"]
+        middle_V, quarter_V = 0.5 * (model.u_min_V + model.u_max_V), 0.25 * (model.u_max_V - model.u_min_V)
+        half_um = loop_width(model.within(input_V=(middle_V - quarter_V, middle_V + quarter_V)), f_Hz)[0]
+        return Advice(
+            f"one voltage stands for displacements {seen.values['loop_um']:.3g} um apart, by the way on which it is "
+            "reached; no calibration curve can be better than half of that",
+            f"follow the inverse of this model (hysgen waveform), drive by charge, or close a loop around the sensor; "
+            f"half the stroke has a loop of {half_um:.3g} um",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return strokes(1.0 / values["loop_Hz"], Ts_s, loop=True)
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats] | None:
+        """The second of two periods, and the middle of its way up and its way down."""
+        twice = dataclasses.replace(motion, levels=np.tile(motion.levels, 2))
+        both = super().motions_um(twice, seen)
+        if both is None:
+            return None
+        closed_um = both[0][len(motion.levels) :]
+        return closed_um, 0.5 * (closed_um + closed_um[::-1])
+
     def forms(self, extension: Extension) -> list[Extension]:
         return [dataclasses.replace(extension, size=size) for size in SIZES]
 
@@ -162,6 +187,22 @@ class CurveCause(Cause):
             f"the same on the way up and down; a straight line leaves {rival.rms_um / fit.rms_um:.3g} times the error",
             parameters={"bow_um": Estimate(most_um, error_um)},
         )
+
+    def advice(self, seen: Seen) -> Advice:
+        bow_um = abs(seen.values["bow_um"])
+        return Advice(
+            f"equal steps of the voltage give unequal moves: one gain for all is wrong by up to {bow_um:.3g} um",
+            "a table of the curve, or the inverse of this model, in place of one gain; a part of the range bends less: "
+            f"half of it by about {0.25 * bow_um:.2g} um",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return strokes(1.0, 1.0 / POINTS, loop=True)
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
+        """A parabola of this bow, and the line between its ends."""
+        line_um = seen.stroke_um * motion.levels
+        return line_um + 4.0 * seen.values["bow_um"] * motion.levels * (1.0 - motion.levels), line_um
 
     def extension(self, residual: Residual) -> Extension:
         return Extension(size=CURVE, lag_s=residual.fit.chain.lag_s)
@@ -240,6 +281,15 @@ class RelaxationCause(Cause):
             text=f"plays go on by {100 * value:.2g} % +- {100 * error:.1g} % of their half-widths per factor e of time "
             f"while the input rests; the error is {rival.rms_um / residual.fit.rms_um:.2f} times larger without it",
             parameters={"half_widths": Estimate(value, error)},
+        )
+
+    def advice(self, seen: Seen) -> Advice:
+        percent = 100.0 * seen.values["half_widths"]
+        return Advice(
+            f"the loop depends on the rate: its half-width grows by {percent:.2g} % for each factor 2.7 of the rate, "
+            "and after a stroke the stage creeps on",
+            f"calibrate at the rate of use: ten times slower is another loop by {2.3 * percent:.2g} %; or follow the "
+            "inverse of this model, or close a loop around the sensor",
         )
 
     def forms(self, extension: Extension) -> list[Extension]:

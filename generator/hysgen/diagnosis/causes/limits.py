@@ -6,6 +6,7 @@ Slew: the amplifier limits the rate of the voltage, so fast commands become ramp
 import dataclasses
 import itertools
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from hysgen.diagnosis.causes.base import (
 from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes, voltage_step
 from hysgen.model.path.limits import Saturation, Slew
 
 Floats = NDArray[np.float64]
@@ -156,6 +158,20 @@ class SaturationCause(Cause):
             parameters=parameters,
         )
 
+    def advice(self, seen: Seen) -> Advice:
+        low_V, high_V = seen.model.u_min_V, seen.model.u_max_V
+        bottom_V, top_V = seen.values.get("low_V", low_V), seen.values.get("high_V", high_V)
+        lost = 1.0 - (min(top_V, high_V) - max(bottom_V, low_V)) / (high_V - low_V)
+        return Advice(
+            f"commands outside {bottom_V:.4g} .. {top_V:.4g} V do not reach the stage: the stroke is cut, and a loop "
+            "winds up",
+            "keep commands inside (hysgen waveform has --range), or use an amplifier of a wider range: "
+            f"{100.0 * lost:.2g} % of the range of this record is lost",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return strokes(1.0, Ts_s)
+
 
 def _part(chain: Chain) -> Saturation:
     """The saturation part of the chain; a part that does not clip if the chain has none."""
@@ -273,3 +289,14 @@ class SlewCause(Cause):
             f"at any level ({held} samples held back)",
             parameters={"rate_V_per_s": Estimate(rate, error)},
         )
+
+    def advice(self, seen: Seen) -> Advice:
+        rate, range_V = seen.values["rate_V_per_s"], seen.model.u_max_V - seen.model.u_min_V
+        return Advice(
+            f"a step over the range of {range_V:.4g} V takes {1e3 * range_V / rate:.3g} ms, whatever is commanded",
+            f"ramps below {rate:.4g} V/s (full strokes up to {rate / (np.pi * range_V):.3g} Hz as a sine), or an "
+            "amplifier of more current: it charges the ceramic, so twice the current takes half the time",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(max(100.0 / values["rate_V_per_s"], 30.0 * Ts_s), Ts_s)

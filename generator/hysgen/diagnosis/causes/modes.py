@@ -6,7 +6,7 @@ Softening: the frequency of a mode falls with amplitude, because hysteresis sits
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -29,6 +29,7 @@ from hysgen.diagnosis.probe import (
     TrainingFit,
     standard_errors,
 )
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, voltage_step
 from hysgen.errors import FitError
 from hysgen.fitting.loop import identify_loop
 from hysgen.fitting.structure import ARX_ORDER, ModalForm, identify_structure, structure_parts
@@ -211,6 +212,19 @@ class ResonanceCause(Cause):
         z = min(abs(m.share) / max(errors[f"resonance.{i}.share"], 1e-15) for i, m in enumerate(chain.modes))
         return Signature(z, "; ".join(texts), parameters)
 
+    def advice(self, seen: Seen) -> Advice:
+        f_Hz, zeta = seen.values["f_Hz"], seen.values["zeta"]
+        rings_s = math.log(50.0) / (2.0 * math.pi * zeta * f_Hz)
+        return Advice(
+            f"a step rings at {f_Hz:.4g} Hz for {1e3 * rings_s:.3g} ms, until 2 % of the ringing is left; at this "
+            f"frequency the stage answers {0.5 / zeta:.3g} times as strongly",
+            f"no edges shorter than {1e3 / f_Hz:.2g} ms (hysgen waveform), a notch there (hysgen loop), a stiffer "
+            f"mount or less load; with a damping ratio of 0.1 it would ring for {1e3 * rings_s * zeta / 0.1:.2g} ms",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(12.0 / values["f_Hz"], Ts_s)
+
     def extension(self, residual: Residual) -> Extension:
         part = residual.fit.chain.get(StructurePart)
         if part is None:
@@ -335,6 +349,14 @@ class SofteningCause(Cause):
         )
         z = abs(small_Hz - f_Hz) / max(error_Hz, 1e-15)
         return Signature(z, text, {"f_Hz": Estimate(f_Hz, error_Hz), "small_f_Hz": Estimate(small_Hz, error_Hz)})
+
+    def advice(self, seen: Seen) -> Advice:
+        f_Hz, small_Hz = seen.values["f_Hz"], seen.values["small_f_Hz"]
+        return Advice(
+            f"the mode at {small_Hz:.4g} Hz is at {f_Hz:.4g} Hz for large motion: a notch of one frequency misses it",
+            f"a notch at least {abs(small_Hz - f_Hz):.2g} Hz wide, motion of one amplitude, or joints that do not "
+            "slip: tighten clamps and preload",
+        )
 
     def extension(self, residual: Residual) -> Extension:
         form, loop = _form_of(residual)

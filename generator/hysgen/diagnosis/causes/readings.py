@@ -3,16 +3,12 @@
 Coupling: another measured channel explains part of the residual beside the stage's own input.
 
 Delay: the output is late by whole or fractional samples; its phase grows with frequency, its amplitude does not.
-
-Outliers: single readings far from both neighbours.
-
-The probe's chain has no part for outliers: the search excludes them from every fit (`outlier_detection`), the fit of
-the model has weights of 0 for them, and the learner gets a gate if they are frequent (`wrong_readings.are_frequent`).
 """
 
 import dataclasses
 import functools
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,17 +17,17 @@ from scipy.fft import rfft
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
-from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
+from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, held, strokes, voltage_step
 from hysgen.display import decimal
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import FEWEST_PERIODS, Periodic, same_phase
 from hysgen.model.path.delay import LEAST_FITTED, MOST_FITTED, Delay
-from hysgen.model.residual import LEAST_DEVIATION, local_scatter
-from hysgen.record.series import MEDIAN_TO_DEVIATION, period_of
-from hysgen.record.wrong_readings import are_frequent
+from hysgen.record.series import period_of
 
 Floats = NDArray[np.float64]
+
+MAINS_HZ = (50, 60)
 
 MOST_LINES = 4
 LEAST_PEAK = 10.0
@@ -84,6 +80,24 @@ class PeriodicCause(Cause):
         least, steady = min(ratio for _, ratio, _ in evidence), all(keeps for _, _, keeps in evidence)
         texts.append("phase kept throughout" if steady else "phase not kept")
         return Signature(float(np.sqrt(least)), "; ".join(texts), parameters)
+
+    def advice(self, seen: Seen) -> Advice:
+        f_Hz, size_um = seen.values["f_Hz"], seen.values["amplitude_um"]
+        mains = next((base for base in MAINS_HZ if abs(f_Hz / base - round(f_Hz / base)) < 1e-3 * f_Hz / base), None)
+        cure = f"something that turns at {60.0 * f_Hz:.4g} 1/min (fan, pump) or a floor that shakes: isolate it"
+        if mains is not None:
+            cure = f"the mains of {mains} Hz: one ground, a shielded cable, no loop of cables, a battery for the sensor"
+        return Advice(
+            f"a resting stage seems to move by {2.0 * size_um:.3g} um peak to peak at {f_Hz:.4g} Hz",
+            f"{cure}; a mean over {1e3 / f_Hz:.3g} ms is free of it",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return held(5.0 / values["f_Hz"])
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
+        line_um = seen.values["amplitude_um"] * np.sin(2.0 * np.pi * seen.values["f_Hz"] * motion.time_s)
+        return line_um, np.zeros_like(line_um)
 
 
 @functools.lru_cache(maxsize=8)
@@ -252,6 +266,22 @@ class CouplingCause(Cause):
             },
         )
 
+    def advice(self, seen: Seen) -> Advice:
+        name, gain = next(iter(seen.values.items()))
+        name = name.removesuffix("_um_per_unit")
+        return Advice(
+            f"one unit of {name} moves the stage by {gain:.3g} um",
+            f"keep {name} constant within {seen.noise_um / max(abs(gain), 1e-300):.2g} to stay at the noise; or log "
+            "it and leave it in the model; decouple the axis, insulate the mount",
+        )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return dataclasses.replace(strokes(1.0, 1.0 / POINTS, 2), words="the channel swings by one unit")
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
+        moved_um = next(iter(seen.values.values())) * motion.levels
+        return moved_um, np.zeros_like(moved_um)
+
 
 def _moves(residual: Residual, name: str) -> bool:
     return all(float(np.ptp(run.aux[name])) > 0.0 for run in residual.scene.runs)
@@ -297,61 +327,14 @@ class DelayCause(Cause):
             parameters={"delay_samples": Estimate(late, error)},
         )
 
-
-FEWEST = 2
-"""Least number of places with corrupted samples: what happens once says nothing about the next record."""
-
-
-class OutliersCause(Cause):
-    name = "outliers"
-    rank = 0
-    experiment = "record with the full range of the sensor free"
-    judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
-
-    on_all_rows = True
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        return True, f"jumps above about {8.0 * seen.noise.rms_um:.2g} um"
-
-    def shown(self, residual: Residual) -> bool:
-        """Whether samples are corrupted in FEWEST places and have more error power than all other samples."""
-        count = int(residual.corrupted.sum())
-        places = int((np.diff(residual.corrupted.astype(np.int8), prepend=0) > 0).sum())
-        if places < FEWEST:
-            return False
-        return _size_um(residual) * math.sqrt(count / len(residual.corrupted)) > residual.fit.rms_um
-
-    def effect(self, residual: Residual) -> Effect:
-        """The least deviation of a corrupted sample."""
-        scatter_um = MEDIAN_TO_DEVIATION * float(np.median(np.abs(_deviation(residual))))
-        return Effect("um off the neighbours", least=LEAST_DEVIATION * scatter_um)
-
-    def signature(self, residual: Residual, rival: Fit) -> Signature:
-        """Number and size of the corrupted samples, and their size divided by the scatter of all samples."""
-        hit, deviation, size_um = np.flatnonzero(residual.corrupted), _deviation(residual), _size_um(residual)
-        rate = len(hit) / len(deviation)
-        scatter = MEDIAN_TO_DEVIATION * float(np.median(np.abs(deviation)))
-        return Signature(
-            z=size_um / max(scatter, 1e-300),
-            text=f"{len(hit)} of {len(deviation)} samples stand alone, {decimal(size_um, 3)} um off their neighbours "
-            f"({size_um / max(scatter, 1e-300):.0f} times the scatter)",
-            parameters={
-                "rate": Estimate(rate, rate / np.sqrt(len(hit))),
-                "size_um": Estimate(size_um, size_um / np.sqrt(2.0 * len(hit))),
-            },
+    def advice(self, seen: Seen) -> Advice:
+        late_s = seen.values["delay_samples"] * seen.model.Ts_s
+        return Advice(
+            f"the reading is {1e3 * late_s:.3g} ms late: in a sine over the stroke at 100 Hz it is wrong by up to "
+            f"{100.0 * np.pi * late_s * seen.stroke_um:.2g} um, and a loop has {36e3 * late_s:.2g} degrees less there",
+            "log voltage and reading at one instant, read the sensor right before the voltage is put out, widen its "
+            "filter; what is left, the inverse of this model has as preview",
         )
 
-    def extension(self, residual: Residual) -> Extension:
-        gate = are_frequent(np.flatnonzero(residual.corrupted), len(residual.corrupted))
-        return Extension(trust=np.where(residual.corrupted, 0.0, 1.0), gate=gate)
-
-
-def _deviation(residual: Residual) -> Floats:
-    """(n,) deviation of the residual from the median of its neighbours."""
-    edges = np.cumsum([len(run.u_V) for run in residual.scene.runs])[:-1]
-    return np.concatenate([local_scatter(part) for part in np.split(residual.fit.error, edges)])
-
-
-def _size_um(residual: Residual) -> float:
-    """Rms deviation of the corrupted samples."""
-    return float(np.sqrt(np.mean(_deviation(residual)[residual.corrupted] ** 2)))
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(max(30.0, 12.0 * values["delay_samples"]) * Ts_s, Ts_s)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Residual, Signature
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Extent, Fit, Part, RunSignals, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.remedy import Advice, Seen
 from hysgen.model.remaining import LEAST_SHARE, Near, falls_from_each_row
 from hysgen.model.residual import BLOCKS, residual_noise
 
@@ -195,6 +196,12 @@ class UnknownCause(Cause):
         return Signature(
             z=min(abs(size) / max(error, 1e-15) for _, size, error, _ in changes),
             text=", ".join([*listed[:LISTED], *more]) + " (the models are fitted and scored without)",
+        )
+
+    def advice(self, seen: Seen) -> Advice:
+        return Advice(
+            "the stage or its sensor changed suddenly, and may do so again: no model foresees it",
+            "look at clamps, glue, connectors and the amplifier at this time; after a lasting step of the gain, refit",
         )
 
     def extension(self, residual: Residual) -> Extension:
