@@ -18,6 +18,7 @@ from hysgen.errors import ModelError
 from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
 from hysgen.feedback.stage import Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
+from hysgen.machine.reproducible import spectral_radius
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.base import StateSpace, series
@@ -35,7 +36,8 @@ SETTLED, STEPPED, TURNS = 0.02, 64, 60.0
 
 @dataclass(frozen=True)
 class Certificate:
-    """The worst of `draws` draws; bandwidth: -3 dB of the closed loop; peak: of |1/(1 + L)|; pole: largest modulus.
+    """The worst of `draws` draws; bandwidth: -3 dB of the closed loop; peak: of |1/(1 + L)|; pole: a bound of
+    the moduli, rounding included (`spectral_radius`).
 
     integral_Hz: bandwidth of the largest integral without a filter that has the same margins; without_inverse_Hz: that
     of one around the stage without the inverse. settling_s: None if a step has not settled within TURNS.
@@ -155,7 +157,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
         bandwidth_Hz,
         *margins(loops),
         float(20.0 * np.log10(np.abs(1.0 / (1.0 + loops)).max())),
-        max(float(np.abs(np.linalg.eigvals(A)).max()) for A, _, _ in closed),
+        max(spectral_radius(A) for A, _, _ in closed),
         settling,
         *(float(bandwidths_Hz(_gain(bare, model) * bare, f_Hz).min()) for bare in (stages, without)),
     )
