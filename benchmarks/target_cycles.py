@@ -1,26 +1,36 @@
 """Cycles on the C674x against the number of rules, of plays and of learned parameters, and those of Eq. (10).
 
 Run:  python benchmarks/target_cycles.py      (a few minutes; needs firmware/toolchain/build_c674x.sh)
+      python benchmarks/target_cycles.py one   one call of the models that ship, by everything that says what it costs
 Cycles are stall-free worst cases, as printed by `hysgen cost --target c674x`. Those of Eq. (10), transcribed literally,
 are simulated, because its divisions call the compiler's library.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
 from smooth_model import behind_path, smooth
 
+from hysgen.checking.bits.functions import COMPARED_STRUCTS, STYLES, chunks
+from hysgen.checking.cost import nanoseconds
+from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
+from hysgen.codegen.manifest import read_folder
 from hysgen.codegen.operations import figures
-from hysgen.codegen.operations.cycles import STEPS, estimated
+from hysgen.codegen.operations.cycles import C674X, STEPS, estimated
 from hysgen.display import table
+from hysgen.machine.native import default_toolchain
 from hysgen.model.learner_settings import BIAS, GROUPS, LearnerSettings
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
+from hysgen.targets import target
 from hysgen_c674x import toolchain
-from hysgen_c674x.footprint import footprint
+from hysgen_c674x.footprint import c_texts, footprint
+from hysgen_c674x.machine import Machine
+from hysgen_c674x.schedule.folder import kernels, with_kernels
 
 PLAYS = (0, 4, 8, 12, 16, 24)
 RULES = (3, 6, 9, 12, 20, 50)
@@ -33,6 +43,8 @@ LEARNERS = (
     (6, 18, GROUPS),
 )
 PARAMETERS = 18
+CALLS = 400
+"""Simulated calls of a function with each style of inputs."""
 
 
 def taken(model: Model) -> dict[str, dict[str, int]]:
@@ -94,7 +106,45 @@ def as_printed() -> str:
     return f"Eq. (10) as printed, {PARAMETERS} parameters: {outcome.cycles} cycles an update"
 
 
+def simulated(machine: Machine, host: Host, model: Model, function: str) -> tuple[int, int]:
+    """Cycles of one call on the simulator: the median over smooth inputs, and the most over every style of inputs."""
+    compared = next(struct for struct in COMPARED_STRUCTS if function in struct.functions)
+    words = host.words_of(compared.create(host)).copy()
+    place, cycles = machine.allocate(words.size), {}
+    for style in STYLES:
+        machine.write(place, words)
+        columns = next(chunks(model, style, compared.functions[function], CALLS, seed=1))
+        floats = [column.view(np.float32) for column in columns]
+        cycles[style] = machine.map(f"{model.name}_{function}", place, *floats).cycles
+    return int(np.median(cycles["smooth"])), max(int(taken.max()) for taken in cycles.values())
+
+
+def one_call(model: Model) -> str:
+    """Models, counts and times of one call; a typical input, then the worst, where both were run."""
+    portable = generate(model, Options(clock_Hz=1e10, aligned=True))
+    texts = with_kernels(model.name, portable, kernels(model.name, portable))
+    longest = {kind: footprint(model.name, files) for kind, files in (("gcc", portable), ("kernel", texts))}
+    machines = [toolchain.compile(c_texts(files)).machine() for files in (portable, texts)]
+    host, counted = Host(model.name, portable, default_toolchain()), figures(model.name, portable).operations
+    times = {style: nanoseconds(host, model, style) for style in STYLES}
+    cortex = [target(name, "weights").weights for name in ("cortex-m4", "cortex-m7")]
+    rows = []
+    for function in (*STEPS, "learn", "commit"):
+        row = [function, *(f"{estimated(counted[function], function, w).value}" for w in (C674X, *cortex) if w)]
+        for kind, machine in zip(("gcc", "kernel"), machines, strict=True):
+            typical, most = simulated(machine, host, model, function) if function != "commit" else ("-", "-")
+            row += [f"{typical}", f"{most}", f"{longest[kind][function]['cycles']}"]
+        worst = max(times[style].get(function, 0.0) for style in STYLES)
+        rows.append([*row, *(f"{ns:.0f}" if ns else "-" for ns in (times["smooth"].get(function, 0.0), worst))])
+    header = ["estimate", "M4", "M7", "gcc: typical", "worst", "longest way", "kernel: typical", "worst", "longest way"]
+    return table([model.name, *header, "host ns: typical", "worst"], rows)
+
+
 def main() -> None:
+    if sys.argv[1:] == ["one"]:
+        for name in ("appendix_a", "extended"):
+            print(one_call(read_folder(Path("firmware", "models", name)).model), end="\n\n", flush=True)
+        return
     print(as_printed(), flush=True)
     print("\n" + against_rules(), flush=True)
     print("\n" + against_plays(), flush=True)

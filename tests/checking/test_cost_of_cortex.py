@@ -52,14 +52,15 @@ def by_llvm(body: str) -> int:
 UNROLLED = [f"-unroll-{name}=1000000" for name in ("threshold", "full-max-count", "max-upperbound")]
 CALLS = [("predict", 0.8, 1.25), ("simulate", 0.8, 1.25), ("inverse", 0.8, 1.25)]
 LEARNING = [("commit", 0.8, 1.25), ("learn", 1.0, 1.75)]
-"""Least and largest ratio of the estimate. The operations of `learn` are those of its loops, which are unrolled here."""
+"""Least and largest ratio of the estimate. The estimate of `learn` is that of loops, which are unrolled here."""
 
 
-@pytest.mark.parametrize("model", [load_model("appendix_a"), smooth(3), smooth(20), everything(), sized(6), sized(18)], ids=lambda m: m.name)
+MODELS = [load_model("appendix_a"), smooth(3), smooth(20), everything(), sized(6), sized(18)]
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
 @pytest.mark.parametrize(("name", "judge"), [("cortex-m4", by_the_manual), ("cortex-m7", by_llvm)])
-def test_a_call_takes_what_the_model_says(
-    name: str, judge: Callable[[str], int], model: Model, tmp_path: Path
-) -> None:
+def test_a_call_takes_what_the_model_says(name: str, judge: Callable[[str], int], model: Model, tmp_path: Path) -> None:
     need("clang")
     texts, weights = generate(model, Options(clock_Hz=1e10)), target(name, "weights").weights
     assert weights is not None

@@ -132,7 +132,7 @@ def cost_of_texts(
     counted = figures(model.name, texts)
     known = cycles_of(counted.operations, cycles, weights)
     toolchain = default_toolchain() if timed else None
-    host_ns = _nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
+    host_ns = nanoseconds(Host(model.name, texts, toolchain), model) if timed else {}
     return Cost(
         model=model.name,
         functions=[
@@ -149,14 +149,14 @@ def cost_of_texts(
     )
 
 
-def _nanoseconds(host: Host, model: Model) -> Mapping[str, float]:
-    """Time per sample of each step function, in ns: the median of REPEATS runs over smooth inputs."""
+def nanoseconds(host: Host, model: Model, style: str = "smooth") -> Mapping[str, float]:
+    """Time per sample of each step function, in ns: the median of REPEATS runs over inputs of a style of `chunks`."""
     nanoseconds = {}
     for compared in COMPARED_STRUCTS:
         for function in compared.functions:
             if function not in host.entries or function == "init":
                 continue
-            columns = next(chunks(model, "smooth", compared.quantities(function, host), SAMPLES, seed=1))
+            columns = next(chunks(model, style, compared.quantities(function, host), SAMPLES, seed=1))
             struct = compared.create(host)
             times = []
             for _ in range(REPEATS):

@@ -108,9 +108,9 @@ CORTEXM_README = """\
     make run               # arm-none-eabi-gcc and qemu-system-arm: the self-test, and input.bin if there is one
 
 A Cortex-M4F of qemu (mps2-an386). For a board of your own keep `model/` and {{ name }}_component.c and replace
-start.c, link.ld and main.c. main.c prints the fewest and the most cycles of a step in each mode, by the cycle counter of
-the core (DWT->CYCCNT), which qemu does not have: the estimates in model/{{ name }}.h are of the C674x. State what your
-board prints: `hysgen generate MODEL --clock HZ --budget CYCLES --cycles predict=N,...`.
+start.c, link.ld and main.c. main.c prints the fewest and the most cycles of a step in each mode, by the cycle counter
+of the core (DWT->CYCCNT), which qemu does not have: the estimates in model/{{ name }}.h are of the C674x. State what
+your board prints: `hysgen generate MODEL --clock HZ --budget CYCLES --cycles predict=N,...`.
 """
 
 
