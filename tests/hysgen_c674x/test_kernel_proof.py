@@ -1,7 +1,5 @@
 """Kernels are proved equal to their C, packet by packet, and none with a planted fault is."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from fixtures.c674x_kernels import FAULTS, FRAMED, assembled, framed_kernel, scheduled_model, scheduled_texts
+from fixtures.c674x_kernels import FAULTS, FRAMED, assembled, framed_kernel
 from fixtures.generated_models import smooth
 from fixtures.proof_models import model, texts
 from hysgen.checking.symbolic.dataflow import Kernel
@@ -23,7 +23,6 @@ from hysgen.firmware.binding import with_learner
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen_c674x import toolchain
 from hysgen_c674x.cycles import bounds
-from hysgen_c674x.equality import verify_on_target
 from hysgen_c674x.footprint import c_texts
 from hysgen_c674x.schedule import plans
 from hysgen_c674x.schedule.checker import function_packets, inspect
@@ -147,14 +146,6 @@ def test_the_largest_of_many_words_is_found_by_pairs() -> None:
     assert max(length.values()) == 3
     for words in ([1, 2, 3, 4, 5], [5, 4, 3, 2, 1], [7, 0xFFFF_FFFF, 7, 0x8000_0000, 0], [0, 0, 0, 0, 0]):
         assert computed(dataflow, words) == max(words)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["appendix_a", "small_learning"])
-def test_kernels_have_the_hosts_bits_on_the_target(name: str) -> None:
-    need_compiler()
-    report = verify_on_target(scheduled_model(name), scheduled_texts(name), 200)
-    assert report.equal, report.notes()
 
 
 def test_the_limits_of_the_issue_are_kept() -> None:

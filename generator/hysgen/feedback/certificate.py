@@ -36,8 +36,7 @@ SETTLED, STEPPED, TURNS = 0.02, 64, 60.0
 
 @dataclass(frozen=True)
 class Certificate:
-    """The worst of `draws` draws; bandwidth: -3 dB of the closed loop; peak: of |1/(1 + L)|; pole: a bound of
-    the moduli, rounding included (`spectral_radius`).
+    """The worst of `draws` draws; bandwidth: -3 dB of the closed loop; peak: of |1/(1 + L)|; pole: a bound of all.
 
     integral_Hz: bandwidth of the largest integral without a filter that has the same margins; without_inverse_Hz: that
     of one around the stage without the inverse. settling_s: None if a step has not settled within TURNS.
