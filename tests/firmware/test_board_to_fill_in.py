@@ -66,6 +66,8 @@ def test_sampling_starts_behind_a_running_watchdog() -> None:
     chip.lib.hysgen_chip_start_sampling(500)
     assert (chip.load(TIMER0 + 0x18), chip.load(TIMER0 + 0x20), chip.state.timer_intctl) == (499, 0xB0, 1)
     assert chip.load(0x01800104) & 0x7F == 4
+    # Of events 96 to 127 those of memory faults and bus errors are exceptions.
+    assert [96 + bit for bit in range(32) if not chip.state.expmask3 >> bit & 1] == [119, 120, 122, 124, 126, 127]
     # 64-bit watchdog mode, 10 ms of the crystal, armed by both words.
     assert (chip.load(TIMER1 + 0x24), chip.load(TIMER1 + 0x18), chip.state.dog) == (0x0B, 250_000, 2)
     assert chip.touched[-1] == TIMER0 + 0x20

@@ -28,7 +28,9 @@ typedef struct {
     double power_until[2];
 
     /* GPIO banks 0 and 1, interrupt controller, EMIFA. */
-    uint32_t gpio_direction, gpio_output, intmux1, emifa_config[2];
+    uint32_t gpio_direction, gpio_output, intmux1, expmask3, emifa_config[2];
+
+    uint16_t shared[65536];     /* the shared RAM, in words of 16 bits */
 
     /* Timer64P0 and Timer64P1. */
     uint32_t timer_tgcr[2], timer_tcr[2], timer_period[2][2], timer_intctl;

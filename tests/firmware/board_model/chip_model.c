@@ -200,6 +200,9 @@ uint64_t device_load(void *devices, uint64_t cycle, uint32_t address, uint32_t s
     if (address >> 28 == 6u) {
         return powered(model, 0u, 3u) ? ((address >> 24 == 0x68u) ? model->emifa_config[(offset >> 2 & 1u)] : bus_load(model, address, size)) : 0u;
     }
+    if (address >> 17 == 0x4000u && size == 2u) {
+        return model->shared[(address & 0x1FFFFu) >> 1];
+    }
     if (size != 4u) {
         violated(model, "a register read by another size than 32 bits");
     }
@@ -233,6 +236,10 @@ void device_store(void *devices, uint64_t cycle, uint32_t address, uint32_t size
         }
         return;
     }
+    if (address >> 17 == 0x4000u && size == 2u) {
+        model->shared[(address & 0x1FFFFu) >> 1] = (uint16_t)value;
+        return;
+    }
     if (size != 4u) {
         violated(model, "a register written by another size than 32 bits");
     }
@@ -245,7 +252,10 @@ void device_store(void *devices, uint64_t cycle, uint32_t address, uint32_t size
     case 0x01D0Du: if (powered(model, 1u, 13u)) { uart_store(model, offset, value); } break;
     case 0x01F0Eu: if (powered(model, 1u, 10u)) { spi_store(model, offset, value); } break;
     case 0x01C20u: case 0x01C21u: timer_store(model, address >> 12 & 1u, offset, value); break;
-    case 0x01800u: model->intmux1 = (offset == 0x104u) ? value : model->intmux1; break;
+    case 0x01800u:
+        model->intmux1 = (offset == 0x104u) ? value : model->intmux1;
+        model->expmask3 = (offset == 0x0CCu) ? value : model->expmask3;
+        break;
     default: violated(model, "an address without a device written"); break;
     }
 }

@@ -142,6 +142,14 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
     assert not run.board.enabled
     assert not run.board.violations
 
+    # A table is played, and its record comes out of the shared RAM.
+    client.request(Request.CLEAR)
+    table_V = np.linspace(20.0, 30.0, 100)
+    _, put_V, read_um = client.record(np.arange(100) * 20e-6, table_V)
+    assert np.abs(put_V - table_V).max() < 0.002
+    assert np.isfinite(read_um).all()
+    assert not run.board.violations
+
     # A constant that changes: a round over all words of the image takes 3000 samples at most.
     assert 4096 < client.status().stack_bytes <= 7168
     system.view(firmware().image.symbol("main_settings").address, 1, np.uint32)[0] ^= 8
