@@ -16,7 +16,7 @@ from fixtures.firmware_bench import KEY, REFERENCE_UM, Direct, booted, model, si
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
 from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Request, Settings, State
-from hysgen.firmware.image import ANSWERS, BUILT_IN, Label, ParameterImage, encode, pack
+from hysgen.firmware.image import Label, ParameterImage, encode, pack
 from hysgen.firmware.link import Client, kept_text, read_kept
 
 BUILT = Settings(power_samples=7)
@@ -55,10 +55,8 @@ def test_settings_that_are_written_are_those_of_the_next_boot_and_stay() -> None
     status = client.keep(with_settings(kept, OTHER), KEY)
     assert (status.counter, used(firmware)) == (1, BUILT)
     assert Settings.unpack(client.stored().settings) == OTHER
-    for _ in range(2):
-        firmware.boot()
-        assert used(firmware) == OTHER
-        assert Settings.unpack(client.stored().settings) == OTHER
+    firmware.boot()
+    assert used(firmware) == Settings.unpack(client.stored().settings) == OTHER
     # Calibration and the rest act: as built, 1.01 of the reading and 0.3 V less.
     assert (firmware.board.gain_um, firmware.board.zero_V) == (np.float32(1.01), np.float32(-0.3))
     # Another model leaves them; an image without settings brings those of the build back.
@@ -77,7 +75,6 @@ def test_settings_that_must_not_run_are_refused_and_nothing_is_kept(wrong: dict[
     with pytest.raises(ModelError, match="must not run"):
         client.keep(with_settings(kept, replace(OTHER, **wrong)), KEY)
     assert firmware.firmware.image_answer == 18
-    assert "settings" in ANSWERS[18]
     firmware.boot()
     assert used(firmware) == BUILT
     assert client.stored().settings == kept.settings
@@ -104,24 +101,18 @@ def test_learnt_parameters_survive_power_off_once_they_are_written() -> None:
     built_in = firmware.bank()
     firmware.start(REFERENCE_UM)
     firmware.run(sine(60_000))
+    with pytest.raises(HysgenError, match="at rest; STOP first"):
+        client.stored()
     firmware.request(Request.STOP)
     firmware.run(np.full(4000, REFERENCE_UM))
     assert firmware.state is State.OFF
     learnt = firmware.bank()
-    assert firmware.firmware.commits > 0
     assert learnt != built_in
     client.keep(client.stored(), KEY)
     firmware.boot()
     assert firmware.bank() == learnt
     firmware.start(REFERENCE_UM)
     assert firmware.state is State.TRACK
-
-
-def test_they_are_read_at_rest_only() -> None:
-    firmware, client = board()
-    firmware.start(REFERENCE_UM)
-    with pytest.raises(HysgenError, match="at rest; STOP first"):
-        client.stored()
 
 
 def test_the_verb_reads_a_file_that_it_writes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,4 +135,3 @@ def test_the_verb_reads_a_file_that_it_writes_back(tmp_path: Path, monkeypatch: 
             read_kept(file)
     with pytest.raises(ModelError, match="cannot be read"):
         read_kept(tmp_path / "none")
-    assert len(BUILT_IN) == 80
