@@ -32,7 +32,7 @@ SAID = {
         "2 ms late: in a sine over the stroke at 100 Hz it is wrong by up to 5 um",
         "widen",
     ),
-    "saturation": ({"high_V": 80.0}, "outside 0 .. 80 V", "20 % of the range"),
+    "saturation": ({"high_V": 80.0}, "commands above 80 V do not", "20 % of the range"),
     "slew": ({"rate_V_per_s": 5e3}, "of 100 V takes 20 ms", "up to 15.9 Hz"),
     "drift": ({"ramp_um_per_s": -0.01}, "-0.6 um in a minute", "every 1 s to stay"),
     "periodic": ({"f_Hz": 100.01, "amplitude_um": 0.2}, "0.4 um peak to peak at 100 Hz", "mains of 50 Hz"),

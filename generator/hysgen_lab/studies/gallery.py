@@ -16,7 +16,7 @@ from hysgen_lab.stage.effects.memory import Curve
 Floats = NDArray[np.float64]
 
 TS_S = 1e-4
-BENT = tuple(0.08 * v_V + 0.0003 * v_V * v_V for v_V in np.arange(0.0, 121.0, 10.0).tolist())
+BENT = tuple(10.0 * v - 6.0 * v * (1.0 - v) for v in np.linspace(0.0, 1.0, 13).tolist())
 PLANTED: Mapping[str, tuple[Any, Mapping[str, float]]] = {
     "curve": (Curve(0.0, 10.0, BENT), {}),
     "memory": (Stage.nominal().memory, {"loop_Hz": 2.0}),

@@ -18,7 +18,7 @@ from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
-from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, strokes
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes
 from hysgen.display import decimal
 from hysgen.fitting.operator import CURVE, RELAXING, PathSize
 from hysgen.fitting.path import RELAXATIONS
@@ -197,7 +197,7 @@ class CurveCause(Cause):
         )
 
     def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
-        return strokes(1.0, 1.0 / POINTS, loop=True)
+        return strokes(1.0, 1e-3, loop=True)
 
     def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats]:
         """A parabola of this bow, and the line between its ends."""

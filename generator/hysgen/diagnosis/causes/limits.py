@@ -161,11 +161,11 @@ class SaturationCause(Cause):
     def advice(self, seen: Seen) -> Advice:
         low_V, high_V = seen.model.u_min_V, seen.model.u_max_V
         bottom_V, top_V = seen.values.get("low_V", low_V), seen.values.get("high_V", high_V)
+        ends = " and ".join(f"{'below' if name == 'low_V' else 'above'} {at:.4g} V" for name, at in seen.values.items())
         lost = 1.0 - (min(top_V, high_V) - max(bottom_V, low_V)) / (high_V - low_V)
         return Advice(
-            f"commands outside {bottom_V:.4g} .. {top_V:.4g} V do not reach the stage: the stroke is cut, and a loop "
-            "winds up",
-            "keep commands inside (hysgen waveform has --range), or use an amplifier of a wider range: "
+            f"commands {ends} do not reach the stage: the stroke is cut, and a loop winds up",
+            "keep commands inside (hysgen waveform takes limits), or use an amplifier of a wider range: "
             f"{100.0 * lost:.2g} % of the range of this record is lost",
         )
 
