@@ -56,6 +56,12 @@ def test_a_column_is_not_narrowed_below_ten_and_a_table_ends_with_its_rows() -> 
     assert folded(behind, 24).split("\n")[-1].startswith("    "), "it is folded as a sentence"
 
 
+def test_a_stream_without_the_letters_of_a_picture_gets_a_sign_in_their_place() -> None:
+    out = io.TextIOWrapper(io.BytesIO(), encoding="latin-1")
+    Console(out=out).say("\u28c0 5 ± 1")
+    assert out.buffer.getvalue() == b"? 5 \xb1 1\n"  # type: ignore[attr-defined]
+
+
 # Progress
 
 

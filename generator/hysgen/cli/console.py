@@ -133,7 +133,9 @@ class Console:
         self._progress.pause()
         if self.json_to != "-":
             try:
-                print(folded(WRITTEN_IN.get().text(text), self._width()), file=self.out, flush=True)
+                shown = folded(WRITTEN_IN.get().text(text), self._width())
+                code = getattr(self.out, "encoding", None) or "utf-8"  # a pipe may have no letter for a picture
+                print(shown.encode(code, "replace").decode(code), file=self.out, flush=True)
             except BrokenPipeError:
                 # Its reader has seen enough; the files of the verb are still wanted.
                 discard_stdout()

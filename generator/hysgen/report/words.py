@@ -88,15 +88,8 @@ def remedy_text(study: Study, remedy: Remedy) -> str:
     shares = {cause.name: cause.share for cause in study.diagnosis.causes}
     large = shares.get(remedy.name, 0.0) >= SMALLEST_SHARE
     lines = dotted(remedy.sketch, remedy.name) if large and remedy.sketch else []
-    return "\n".join(
-        [
-            f"what to do about {remedy.name}",
-            *lines,
-            f"means: {remedy.advice.means}",
-            f"change: {remedy.advice.change}",
-            f"gain: {remedy.gain}",
-        ]
-    )
+    said = [f"means: {remedy.advice.means}", f"change: {remedy.advice.change}", f"gain: {remedy.gain}"]
+    return "\n".join([f"what to do about {remedy.name}", *lines, *said])
 
 
 def _rows_of(study: Study) -> str:
