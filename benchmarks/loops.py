@@ -85,20 +85,15 @@ def pushed(model: Model, loop: LoopDesign, rng: np.random.Generator, samples: in
     whole = expm(TS_S * rates)
     step_A, step_B = whole[:, :-1, :-1], whole[:, :-1, -1]
     level = np.full(DRAWS, 50.0, dtype=np.float32)
-    inverse = Instance(model, level, level)
-    block = loop.block
-    notches = None if block is None else block.mirror(np.zeros_like(level), TS_S)
+    inverse = Instance(loop.around(model), level, level)
     keep = math.exp(-TS_S / LAG_S) ** (1.0 / rng.uniform(0.92, 1.08, DRAWS))
     gain, slack = rng.uniform(0.97, 1.03, DRAWS), rng.uniform(0.0, 0.2, DRAWS)
     rest = np.linalg.solve(np.eye(2 * n) - step_A, step_B[..., None])[..., 0]
     x, lagged, slid, late = rest * 50.0, np.full(DRAWS, 50.0), np.zeros(DRAWS), np.full(DRAWS, 50.0)
-    asked, correction, before, y = level, np.zeros_like(level), np.zeros_like(level), np.empty((DRAWS, samples))
+    asked, y = level, np.empty((DRAWS, samples))
     for k in range(samples):
         y[:, k] = np.einsum("ij,ij->i", of, x) - 50.0 + 1.0
-        residual = (-y[:, k]).astype(np.float32)
-        moves = residual if notches is None else notches.apply(residual)
-        correction = correction + np.float32(0.5 * loop.integral) * (moves + before)
-        before = moves
+        correction = inverse.correct((-y[:, k]).astype(np.float32))
         # The voltage of the last sample acts now, a sample late; the slider gives way within its friction.
         # From where it was asked last: the model's own y would feed modes back that the inverse leaves out.
         u, late = late, inverse.inverse(asked, level + correction).astype(float)
@@ -168,7 +163,7 @@ def record_of(modes: int, draw: int = 99) -> hysgen.Record:
     return hysgen.Record.from_arrays(u_V, Actuator(modes, NOISE_UM, draw).play(u_V), TS_S, source="chain")
 
 
-def followed(model: Model, actuator: Actuator, wanted: Floats, integral: float, block: Structure | None) -> Floats:
+def followed(model: Model, actuator: Actuator, wanted: Floats) -> Floats:
     """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before."""
     ahead = preview(model.blocks) + 1
     plan = hysgen.waveform(model, np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]))
@@ -176,15 +171,11 @@ def followed(model: Model, actuator: Actuator, wanted: Floats, integral: float, 
     asked_um, first_V = plan.asked_um.astype(np.float32), plan.u_V[:1].astype(np.float32)
     actuator.play(np.full(10, first_V[0]))
     inverse = Instance(model, asked_um[:1], first_V)
-    notches = None if block is None else block.mirror(np.zeros(1, dtype=np.float32), TS_S)
-    correction = before = np.zeros(1, dtype=np.float32)
     asked = asked_um[:1]
     out = np.empty(course.size - ahead)
     for k in range(out.size):
         out[k] = actuator.read()
-        residual = (course[k : k + 1] - out[k]).astype(np.float32)
-        moves = residual if notches is None else notches.apply(residual)
-        correction, before = correction + np.float32(0.5 * integral) * (moves + before), moves
+        correction = inverse.correct((course[k : k + 1] - out[k]).astype(np.float32))
         aim = asked_um[k + ahead : k + ahead + 1] + correction
         actuator.step(float(inverse.inverse(asked, aim)[0]))
         asked = aim
@@ -222,7 +213,7 @@ def track(modes: int) -> None:
             segment = Segment("0", plan.u_V, y_um, {}, plan.start_s)
             plays.append(hysgen.Record.from_segments([segment], TS_S, "played"))
             plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
-        row["designed loop"] = followed(model, Actuator(modes, NOISE_UM, 1), wanted, loop.integral, loop.block) - wanted
+        row["designed loop"] = followed(loop.around(model), Actuator(modes, NOISE_UM, 1), wanted) - wanted
         texts = (f"{name} {1e3 * np.sqrt(np.mean(e**2)):.4g} ({1e3 * np.abs(e).max():.4g})" for name, e in row.items())
         print(f"{form} {f_Hz:g} Hz:", "; ".join(texts), flush=True)
 

@@ -1,5 +1,6 @@
 """The loop that is designed from a model keeps its word around stages that share no equation with it."""
 
+import dataclasses
 import importlib.util
 import json
 import math
@@ -7,12 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import signal
 
 import hysgen
 from hysgen.cli import main
 from hysgen.errors import HysgenError
 from hysgen.feedback.certificate import margins
-from hysgen.feedback.design import largest_gain
+from hysgen.feedback.design import Notch, filter_block, largest_gain, zpk
+from hysgen.float32.reference.instance import Instance
+from hysgen.model.feedback import Feedback
+from hysgen.model.file import load_model
 
 SCRIPT = importlib.util.spec_from_file_location("loops", Path(__file__).parents[2] / "benchmarks" / "loops.py")
 assert SCRIPT is not None
@@ -51,12 +56,61 @@ def test_the_gain_is_the_largest_that_keeps_the_margins() -> None:
     assert margins(np.full((1, 9), 0.5 + 0.1j)) == (math.inf, 180.0)
 
 
+def test_the_emitted_correction_is_the_designed_integral_and_notches() -> None:
+    """Against scipy's recursions in float64: K/2 (1 + z^-1)/(1 - z^-1) behind second-order sections."""
+    notches = (Notch(800.0, 0.01, 900.0, 0.5), Notch(2100.0, 0.3, 5000.0, 0.9))
+    model = load_model("appendix_a")
+    feedback = Feedback(0.05, 10.0, filter_block(notches, model.Ts_s))
+    looped = Instance(
+        dataclasses.replace(model, feedback=feedback), np.full(1, 2.0, np.float32), np.zeros(1, np.float32)
+    )
+    looped.u_V[:] = 50.0
+    residual = np.random.default_rng(5).uniform(-1.0, 1.0, 3000).astype(np.float32)
+    found = np.concatenate([looped.correct(r) for r in residual[:, None]])
+    moves = signal.sosfilt(signal.zpk2sos(*zpk(notches, model.Ts_s)), residual.astype(np.float64))
+    exact = signal.lfilter([0.025, 0.025], [1.0, -1.0], moves)
+    assert np.abs(found - exact).max() < 1e-4 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("falls", [False, True])
+def test_the_correction_is_bounded_and_does_not_wind_up(falls: bool) -> None:
+    """Lanes: the voltage inside its limits, at the upper and at the lower one."""
+    model = load_model("appendix_a")
+    if falls:
+        model = dataclasses.replace(model, consequents=model.consequents * [1.0, -1.0, 1.0])
+    looped = Instance(
+        dataclasses.replace(model, feedback=Feedback(0.1, 0.5)), np.full(3, 2.0, np.float32), np.zeros(3, np.float32)
+    )
+    looped.u_V = np.array([50.0, model.u_max_V, model.u_min_V], np.float32)
+    up, down = (1, 2) if falls else (2, 1)
+    for _ in range(300):
+        raised = looped.correct(np.full(3, 0.01, np.float32))
+    assert np.array_equal(raised[[0, up, down]], np.float32([raised[0], raised[0], 0.0]))
+    assert 0.29 < raised[0] < 0.31
+    assert np.array_equal(looped.correct(np.full(3, np.nan, np.float32)), looped.loop.correction_um)
+    assert (looped.counters["y_rejected"] == 1).all()
+    for _ in range(10):
+        lowered = looped.correct(np.full(3, -np.float32(3e38)))
+    assert lowered[0] == lowered[down] == -0.5
+    assert lowered[up] >= raised[up]
+    assert (looped.counters["y_clamped"] == 10).all()
+
+
 @pytest.mark.slow
 def test_verb_and_refusals(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["loop", "appendix_a", "--uncertainty", "gain=0.2", "--json", "loop.json", "--plot", "loop.png"]) == 0
+    outputs = ["-o", "looped.json", "--json", "loop.json", "--plot", "loop.png"]
+    assert main(["loop", "appendix_a", "--uncertainty", "gain=0.2", *outputs]) == 0
     assert "certificate over 1024 draws of the uncertainty: holds" in capsys.readouterr().out
-    assert json.loads(Path("loop.json").read_text())["uncertainty"]["gain"] == 0.2
+    designed = json.loads(Path("loop.json").read_text())
+    assert designed["uncertainty"]["gain"] == 0.2
+    feedback = load_model("looped.json").feedback
+    assert feedback is not None
+    assert feedback.integral == designed["integral"]
+    assert "float appendix_a_correct(appendix_a_t *self" in hysgen.generate("looped.json")["appendix_a.h"]
+    Path("looped.json").write_text(Path("looped.json").read_text().replace('"limit_um"', '"limit"'))
+    with pytest.raises(HysgenError, match="feedback"):
+        load_model("looped.json")
     assert main(["loop", "appendix_a", "--uncertainty", "gain"]) == 2
     assert "write KEY=VALUE" in capsys.readouterr().err
     with pytest.raises(HysgenError, match="gain = 1"):

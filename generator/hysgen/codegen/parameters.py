@@ -174,6 +174,28 @@ def block_sections(model: Model) -> list[Section]:
     ]
 
 
+def loop_sections(model: Model, numbers: Coefficients) -> list[Section]:
+    """Integral and bounds of the feedback, and the constants of its filter; () without feedback."""
+    if model.feedback is None:
+        return []
+    about = "Feedback: half the integral of a sample, largest correction, largest residual."
+    constants = [
+        Constant("LOOP_HALF", model.feedback.half),
+        Constant("LOOP_LIMIT_UM", np.float32(model.feedback.limit_um)),
+        Constant("LOOP_REACH_UM", numbers.reach_um),
+    ]
+    sections, block = [Section(about, constants, public=True)], model.feedback.filter
+    if block is not None:
+        values = block.constants(model.Ts_s)
+        tables = [
+            Table(f"notches_{name}", f"{values[name].size}", values[name], about)
+            for name, about in block.quantities.items()
+            if name in ("real", "imag", "of_position", "of_velocity", "direct")
+        ]
+        sections.append(Section(f"Filter of the feedback: {block.describe()}.", tables=tables))
+    return sections
+
+
 def _part_tables(model: Model, part: Term | InputBlock) -> list[Table]:
     """The constants of a term or an input block."""
     return [

@@ -19,7 +19,15 @@ from jinja2.ext import Extension
 from jinja2.parser import Parser
 
 from hysgen.codegen.parameters import Constant, Section, bits, literal
-from hysgen.codegen.structs import bank_struct, inputs_struct, instance_struct, part_struct, rows, terms_struct
+from hysgen.codegen.structs import (
+    bank_struct,
+    inputs_struct,
+    instance_struct,
+    loop_struct,
+    part_struct,
+    rows,
+    terms_struct,
+)
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.files import data_folder, version
 from hysgen.model import float32_arithmetic as arithmetic
@@ -251,6 +259,8 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
     terms = term_texts(model, numbers)
     blocks = block_texts(model)
     responses = [block for block in blocks if block.responds]
+    notches = model.feedback.modes if model.feedback else 0
+    two_words = any(part.two_words for part in (*model.terms, *model.blocks))
     late = next((block for block in blocks if block.block.interpolates), None)
     mode = straying(model.blocks, model.Ts_s)
     strays = next((block for block in blocks if block.block is mode), None)
@@ -274,12 +284,17 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "terms": terms,
         "weights": sum(term.size for term in model.terms),
         "corrected": any(term.corrects for term in terms),
-        "two_words": arithmetic.FACTS if any(part.two_words for part in (*model.terms, *model.blocks)) else None,
+        "two_words": arithmetic.FACTS if two_words else None,
+        "inside_limit": arithmetic.LIMIT if two_words or notches else None,
         "accumulates": any(term.two_words for term in model.terms),
         "parts": {part: facts for term in model.terms for part, facts in term.parts.items()},
         "channels": channels_of(model.terms),
         "blocks": blocks,
         "responses": responses,
+        "feedback": model.feedback is not None,
+        "notches": notches,
+        "loop_members": rows(loop_struct(model).members) if model.feedback else [],
+        "rises": model.rises,
         "omitted": next((block.kind for block in responses if not block.solves), ""),
         "delay": late,
         "strays": strays.kind if strays else "",

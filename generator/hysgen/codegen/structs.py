@@ -31,6 +31,7 @@ def structs(model: Model) -> tuple[Struct, ...]:
     declared += [inputs_struct(model)] if model.blocks else []
     declared += [part_struct(model, term) for term in model.terms]
     declared += [terms_struct(model)] if model.terms else []
+    declared += [loop_struct(model)] if model.feedback else []
     declared += [bank_struct(model, numbers), instance_struct(model, numbers)]
     declared += [candidate_struct(model, numbers), learner_struct(model, numbers)] if model.learner else []
     return tuple(declared)
@@ -107,6 +108,12 @@ def terms_struct(model: Model) -> Struct:
         f"{model.name}_terms_t",
         tuple(Member(term.kind, part_struct(model, term), f"state of the term `{term.kind}`") for term in model.terms),
     )
+
+
+def loop_struct(model: Model) -> Struct:
+    """`<name>_loop_t`: the state of the feedback."""
+    assert model.feedback is not None
+    return Struct(f"{model.name}_loop_t", model.feedback.members())
 
 
 def bank_struct(model: Model, numbers: Coefficients) -> Struct:
@@ -193,6 +200,8 @@ def _members(words: type[StructWords], model: Model, learned: int = 0) -> list[M
                 members += [Member(name, "uint32_t", counter.meaning) for name, counter in words.COUNTERS.items()]
             case Holds.INPUTS if model.blocks:
                 members.append(Member(member.name, inputs_struct(model), meaning))
+            case Holds.LOOP if model.feedback:
+                members.append(Member(member.name, loop_struct(model), meaning))
             case Holds.TERMS if model.terms:
                 members.append(Member(member.name, terms_struct(model), meaning))
     return members
@@ -282,6 +291,8 @@ def interface(model: Model, *, inverse: bool) -> Interface:
     if inverse:
         functions.append(Function("limits", "void", (self_t, "float low_V", "float high_V", "float step_V")))
         functions.append(Function("inverse", "float", (self_t, "float y_um", "float y_next_um")))
+    if model.feedback:
+        functions.append(Function("correct", "float", (self_t, "float residual_um")))
     if model.learner:
         functions.append(Function("learn_init", "void", (learner, f"const {name}_t *model")))
         functions.append(Function("learn", "void", (learner, "float y_um", "float u_V")))

@@ -5,6 +5,7 @@ Settling is that of a step of the displacement, such as a push on the stage; a s
 inverse.
 """
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -19,6 +20,7 @@ from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
 from hysgen.feedback.stage import Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
 from hysgen.machine.reproducible import spectral_radius
+from hysgen.model.feedback import Feedback
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.path.base import StateSpace, series
@@ -29,6 +31,9 @@ Complex = NDArray[np.complex128]
 
 SEARCHED = 24
 """Draws for which the filter is searched; the integral is then that which all draws allow."""
+
+LARGEST_SHARE = 0.1
+"""Largest correction as a share of the displacement range."""
 
 SETTLED, STEPPED, TURNS = 0.02, 64, 60.0
 """Share of a step within which it has settled; draws that are stepped; radians of the bandwidth that are waited for."""
@@ -85,6 +90,11 @@ class LoopDesign(Displayed):
     def block(self) -> Structure | None:
         """F as a block, None for F = 1."""
         return filter_block(self.notches, self.Ts_s)
+
+    def around(self, model: Model) -> Model:
+        """The model with this loop as its feedback, whose correction is at most LARGEST_SHARE of the range."""
+        limit_um = LARGEST_SHARE * (model.grid.y_max_um - model.grid.y_min_um)
+        return dataclasses.replace(model, feedback=Feedback(self.integral, limit_um, self.block))
 
     def summary(self) -> Summary:
         """Bandwidth first, then margins, and what they hold for."""

@@ -102,6 +102,11 @@ class Coefficients:
     bank: Bank
 
     @property
+    def reach_um(self) -> np.float32:
+        """Width of the displacement range: the largest residual of a feedback."""
+        return np.float32(self.y_max_um - self.y_min_um)
+
+    @property
     def bank_rules(self) -> int:
         """Length of the bank's tables over the rules, phantoms included."""
         return self.rules + 2 * self.pad

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.model.disturbances import Mirror
+from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.path.chain import ChainMirror
 from hysgen.model.structs import COUNTERS, Counter, Scalar
 
@@ -39,6 +40,7 @@ class Holds(enum.Enum):
     COUNTERS = "uint32_t each; by name, (lanes,)"
     INPUTS = "state of the input blocks; a ChainMirror"
     TERMS = "state of the terms; a Mirror per term"
+    LOOP = "state of the feedback; a FeedbackMirror"
 
 
 class Start(enum.Enum):
@@ -95,6 +97,7 @@ integer = functools.partial(Described, Holds.INTEGER)
 flag = functools.partial(Described, Holds.FLAG)
 COUNTERS_OF: Final = Described(Holds.COUNTERS)
 INPUTS_OF: Final = Described(Holds.INPUTS, "state of the input blocks")
+LOOP_OF: Final = Described(Holds.LOOP, "state of the feedback")
 TERMS_OF: Final = Described(Holds.TERMS, "state of the terms")
 
 
@@ -142,7 +145,7 @@ class StructWords:
                     named[name] = value
                 case Holds.COUNTERS:
                     named |= value
-                case Holds.INPUTS:
+                case Holds.INPUTS | Holds.LOOP:
                     named |= {f"{name}[{i}]": word.view(np.uint32) for i, word in enumerate(value.state())}
                 case Holds.TERMS:
                     for place, term in enumerate(value):
@@ -170,9 +173,11 @@ class StructWords:
                     setattr(self, name, next(remaining))
                 case Holds.COUNTERS:
                     setattr(self, name, {counter: next(remaining) for counter in getattr(self, name)})
-                case Holds.INPUTS | Holds.TERMS:
+                case Holds.INPUTS | Holds.TERMS | Holds.LOOP:
                     value = getattr(self, name)
-                    mirrors: list[ChainMirror | Mirror] = [value] if member.holds is Holds.INPUTS else value
+                    mirrors: list[ChainMirror | Mirror | FeedbackMirror] = (
+                        value if member.holds is Holds.TERMS else [value]
+                    )
                     for mirror in mirrors:
                         mirror.restore([next(remaining) for _ in mirror.state()])
 
@@ -199,6 +204,7 @@ class InstanceWords(StructWords):
     counters: Annotated[dict[str, Words], COUNTERS_OF]
     inputs: Annotated[ChainMirror, INPUTS_OF]
     terms: Annotated[list[Mirror], TERMS_OF]
+    loop: Annotated[FeedbackMirror, LOOP_OF]
 
 
 class LearnerStatus(enum.IntFlag):

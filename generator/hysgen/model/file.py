@@ -20,6 +20,7 @@ from hysgen.display import Quantities
 from hysgen.errors import HysgenError, ModelError
 from hysgen.machine.files import write_whole
 from hysgen.model.disturbances import Term, term_from_json
+from hysgen.model.feedback import Feedback
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import SCHEMA, VERSION, Grid, Model
 from hysgen.model.path import InputBlock, block_from_json
@@ -139,6 +140,7 @@ def _model(data: Mapping[str, Any]) -> Model:
         weights=_numbers(_get(data, "weights"), "weights"),
         blocks=_blocks(_as(list, _get(data, "blocks"), "blocks")),
         learner=LearnerSettings.from_json(_as(dict, data["learner"], "learner")) if "learner" in data else None,
+        feedback=Feedback.from_json(_as(dict, data["feedback"], "feedback")) if "feedback" in data else None,
         quantities=_quantities(_as(dict, _get(data, "units"), "units")),
         history=_as(dict, _get(data, "history"), "history"),
         scores=_as(dict, _get(data, "scores"), "scores"),

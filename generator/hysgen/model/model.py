@@ -23,6 +23,7 @@ from hysgen.display import OWN, Displayed, Quantities, Summary
 from hysgen.errors import ModelError
 from hysgen.model import simulate
 from hysgen.model.disturbances import Term
+from hysgen.model.feedback import Feedback
 from hysgen.model.intervals import Interval
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.names import fault_of_name
@@ -115,6 +116,7 @@ class Model(Displayed):
     u_min_V, u_max_V: input range of model and certificates; inputs outside are clamped.
     blocks: input blocks between the command and the stage, in the order of the signal.
     learner: settings of the generated learner; None generates no learner.
+    feedback: the loop around the inverse; None generates none.
     quantities: what u_V and y_um are, if not a voltage and a displacement.
     history: origin (fit settings, record digest); scores: measured errors; certificates: guarantees. Plain JSON values.
     Raises ModelError if sizes disagree or a number is not finite.
@@ -130,6 +132,7 @@ class Model(Displayed):
     weights: Floats = field(default_factory=lambda: np.zeros(0))
     blocks: tuple[InputBlock, ...] = ()
     learner: LearnerSettings | None = None
+    feedback: Feedback | None = None
     quantities: Quantities = OWN
     history: Mapping[str, Any] = field(default_factory=dict)
     scores: Mapping[str, Any] = field(default_factory=dict)
@@ -203,6 +206,7 @@ class Model(Displayed):
             "weights": self.weights.tolist(),
             "blocks": [block.to_json() for block in self.blocks],
             **({} if self.learner is None else {"learner": self.learner.to_json()}),
+            **({} if self.feedback is None else {"feedback": self.feedback.to_json()}),
             "history": dict(self.history),
             "scores": q.json(dict(self.scores)),
             "certificates": q.json(dict(self.certificates)),
@@ -260,6 +264,12 @@ class Model(Displayed):
         consequents = self.consequents.copy()
         consequents[:, 2] += level_um * (1.0 - consequents[:, 0])
         return dataclasses.replace(self, grid=higher, consequents=consequents, scores={}, certificates={})
+
+    @property
+    def rises(self) -> bool:
+        """Whether a higher voltage raises the displacement."""
+        slopes = [float(getattr(block, "mean_slope", 1.0)) for block in self.blocks]
+        return float(np.prod(np.sign([*slopes, self.consequents[:, 1].sum()]))) >= 0.0
 
     @property
     def responds(self) -> bool:

@@ -1123,6 +1123,58 @@ EVERYTHING_INLINE float everything_terms_sum_ahead(const everything_bank_t *bank
     return sum;
 }
 
+/* ---- Feedback -------------------------------------------------------------------------------------------------- */
+
+/* Without correction, at rest. */
+EVERYTHING_INLINE void everything_loop_init(everything_loop_t *loop)
+{
+    loop->correction_um = 0.0f;
+    loop->before_um = 0.0f;
+    for (uint32_t j = 0u; j < 1u; ++j) {
+        loop->position[j] = 0.0f;
+        loop->velocity[j] = 0.0f;
+    }
+}
+
+/* f = direct r + sum_j (p_j position_j + v_j velocity_j), and the modes of the filter behind it. */
+EVERYTHING_INLINE float everything_loop_filter(everything_loop_t *loop, float x)
+{
+    float sum = everything_notches_of_position[0] * loop->position[0] + everything_notches_of_velocity[0] * loop->velocity[0];
+
+    const float position0 = loop->position[0];
+    const float velocity0 = loop->velocity[0];
+    const float away0 = x - position0;
+    const float forward0 = everything_notches_real[0] * away0 + everything_notches_imag[0] * velocity0;
+    const float turn0 = everything_notches_imag[0] * away0 - everything_notches_real[0] * velocity0;
+
+    loop->position[0] = everything_flushed(everything_inside(position0 + forward0, 1048576.0f));
+    loop->velocity[0] = everything_flushed(everything_inside(velocity0 + turn0, 1048576.0f));
+    return everything_flushed(everything_notches_direct[0] * x + sum);
+}
+
+/* c(k) = c(k-1) + K/2 (f(k) + f(k-1)), f = F of the residual; it stands still at a limit that it would move beyond. */
+EVERYTHING_CODE
+float everything_correct(everything_t *self, float residual_um)
+{
+    everything_events_t events = { 0u, 0u, 0u, 0u };
+    const float finite = everything_finite(residual_um, 0.0f, &events.y_rejected);
+    const float residual = everything_limited(finite, -EVERYTHING_LOOP_REACH_UM, EVERYTHING_LOOP_REACH_UM, &events.y_clamped);
+    const float before = self->loop.correction_um;
+    const float moves = everything_loop_filter(&self->loop, residual);
+    const float step = everything_flushed(EVERYTHING_LOOP_HALF * (moves + self->loop.before_um));
+    const uint32_t at_top = (uint32_t)(self->u_V >= self->high_V);
+    const uint32_t at_bottom = (uint32_t)(self->u_V <= self->low_V);
+    const uint32_t winds = (at_top & (uint32_t)(step > 0.0f)) | (at_bottom & (uint32_t)(step < 0.0f));
+    uint32_t limited;
+    const float moved = everything_flushed(everything_limited(before + step, -EVERYTHING_LOOP_LIMIT_UM, EVERYTHING_LOOP_LIMIT_UM, &limited));
+    const float correction = (winds != 0u) ? before : moved;
+
+    self->loop.before_um = moves;
+    self->loop.correction_um = correction;
+    everything_count_events(self, &events);
+    return correction;
+}
+
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
 EVERYTHING_CODE
@@ -1156,6 +1208,7 @@ void everything_init(everything_t *self, float y_um, float u_V)
     self->step_V = EVERYTHING_U_STEP_MAX_V;
     (void)everything_inputs_init(&self->inputs, self->u_V);
     everything_terms_init(&self->terms);
+    everything_loop_init(&self->loop);
 }
 
 EVERYTHING_CODE

@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EVERYTHING_NUMBERS_DIGEST "2b1556095740b1d9e1ea7eed676a4b8d913e7cff5b2e40788480542266ad1fbb"
-#define EVERYTHING_NUMBERS_WORD 0x2b155609u
+#define EVERYTHING_NUMBERS_DIGEST "d93ea30441d3852a0ebfaab67d2d4fd987515397aa41a58e9935914eb03d29f6"
+#define EVERYTHING_NUMBERS_WORD 0xd93ea304u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EVERYTHING_Y_MIN_UM              0.66079998f  /* 0x3f292a30 */
@@ -25,6 +25,11 @@
 #define EVERYTHING_W_MIN                -4.55483723f  /* 0xc091c13a */
 #define EVERYTHING_W_MAX                 9.22823048f  /* 0x4113a6d5 */
 #define EVERYTHING_W_TOLERANCE       1.31445577e-05f  /* 0x375c8772 */
+
+/* Feedback: half the integral of a sample, largest correction, largest residual. */
+#define EVERYTHING_LOOP_HALF      0.0250000004f  /* 0x3ccccccd */
+#define EVERYTHING_LOOP_LIMIT_UM   0.300000012f  /* 0x3e99999a */
+#define EVERYTHING_LOOP_REACH_UM    3.07509995f  /* 0x4044ce70 */
 
 /* Error of one step. FOUND: the largest against float64 over 20000 samples of the whole range,
  * rounded up; larger ones exist. PATH_FOUND: part of the path, of w, along random ramps from rest;
@@ -223,6 +228,33 @@ static const float everything_drift_limit[1] = {
 EVERYTHING_TABLE
 static const float everything_weight[EVERYTHING_WEIGHTS] = {
      9.99999975e-06f, -9.99999975e-06f,  9.99999975e-06f, -9.99999975e-06f,  9.99999975e-06f,
+};
+
+/* Filter of the feedback: structure with modes at 1800 Hz (damping 0.8). */
+
+EVERYTHING_TABLE
+static const float everything_notches_real[1] = {
+    0.17320101f,
+};
+
+EVERYTHING_TABLE
+static const float everything_notches_imag[1] = {
+    0.112904564f,
+};
+
+EVERYTHING_TABLE
+static const float everything_notches_of_position[1] = {
+    0.529950738f,
+};
+
+EVERYTHING_TABLE
+static const float everything_notches_of_velocity[1] = {
+    -0.180296957f,
+};
+
+EVERYTHING_TABLE
+static const float everything_notches_direct[1] = {
+    0.470049232f,
 };
 
 #endif

@@ -47,6 +47,7 @@ def ranges(model: Model) -> Mapping[str, Range]:
         "displacement": (numbers.y_min_um, numbers.y_max_um),
         "reference": (numbers.y_min_um, numbers.y_max_um),
         "measured": (numbers.y_min_um, numbers.y_max_um),
+        "residual": (-numbers.reach_um, numbers.reach_um),
         "voltage": (numbers.u_min_V, numbers.u_max_V),
         # Wider than the range of most auxiliary channels, so that their clamps act now and then.
         "channel": (np.float32(-10.0), np.float32(50.0)),
@@ -242,6 +243,7 @@ MODEL: Final = ComparedStruct(
         "simulate": ("voltage",),
         "limits": ("voltage", "voltage", "voltage"),
         "inverse": ("displacement", "reference"),
+        "correct": ("residual",),
     },
     first_word="y_um",
     create=lambda host: host.instance(float(START_UM), float(START_V)),

@@ -50,6 +50,7 @@ CALLS: Final[Mapping[str, tuple[tuple[str, ...], int]]] = {
     "predict": ((INSTANCE,), 2),
     "simulate": ((INSTANCE,), 1),
     "inverse": ((INSTANCE,), 2),
+    "correct": ((INSTANCE,), 1),
     "learn_init": ((LEARNER, INSTANCE), 0),
     "learn_aux": ((LEARNER, AUX), 0),
     "learn": ((LEARNER,), 2),

@@ -18,7 +18,7 @@ from hysgen.display import WRITTEN_IN, Displayed
 from hysgen.errors import HysgenError
 from hysgen.feedback.stage import LATENCY, Uncertainty
 from hysgen.machine.files import write_whole
-from hysgen.model.file import load_model
+from hysgen.model.file import load_model, save_model
 from hysgen.record.csv_text import write_csv
 from hysgen.trajectory.reference import FORMS, Form
 
@@ -149,6 +149,7 @@ def loop_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE,...",
         help=f"what the stage may differ by, relative; late in samples (default {known})",
     )
+    parser.add_argument("-o", "--output", metavar="NEW.json", help="write the model with the loop, of which C is made")
     parser.add_argument("--plot", metavar="FILE.png", help="draw the open loop (Bode) and the settling of a push")
 
 
@@ -158,8 +159,12 @@ def run_loop(arguments: argparse.Namespace, console: Console) -> int:
         changes = {key.strip(): float(value) for key, _, value in parts}
     except ValueError as fault:
         raise HysgenError(f"--uncertainty: {fault}; write KEY=VALUE, as frequency=0.02,gain=0.1") from fault
-    designed = design_loop(usable_model(arguments), arguments.latency, **changes)
+    model = usable_model(arguments)
+    designed = design_loop(model, arguments.latency, **changes)
     console.say(str(designed))
+    if arguments.output:
+        save_model(designed.around(model), Path(arguments.output))
+        console.say(f"written: {arguments.output}")
     if arguments.plot:
         designed.plot().save(arguments.plot)
         console.say(f"written: {arguments.plot}")
@@ -183,8 +188,9 @@ VERBS = {
         LOOP_HELP,
         loop_arguments,
         run_loop,
-        examples=(
-            "hysgen loop stage.json --json loop.json --plot loop.png",
+        {"output": Output("-o", (".json",))},
+        (
+            "hysgen loop stage.json -o looped.json --json loop.json --plot loop.png",
             "hysgen loop stage.json --latency 2 --uncertainty frequency=0.03    a stage whose load changes",
         ),
     ),

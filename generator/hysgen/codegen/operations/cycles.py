@@ -26,7 +26,7 @@ CLOCK_HZ: Final = 375e6
 STEPS: Final = ("predict", "simulate", "inverse")
 """Functions of which a controller calls one per sample."""
 
-EVERY_SAMPLE: Final = ("learn", "commit")
+EVERY_SAMPLE: Final = ("correct", "learn", "commit")
 """Functions that a controller calls in every sample besides."""
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients, coefficients
 from hysgen.float32.struct_words import InstanceWords
 from hysgen.model.disturbances import channels_of
+from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.float32_arithmetic import (
     INFINITY_BITS,
     LEAST_BITS,
@@ -174,6 +175,7 @@ class Instance(InstanceWords):
         self.step_V = np.full(lanes, self.numbers.u_step_max_V)
         self.inputs = ChainMirror(self._model.blocks, self.u_V, self._model.Ts_s, self._limits())
         self.terms = [term.mirror(self.inputs.rest.size, self._model.Ts_s) for term in self._model.terms]
+        self.loop = FeedbackMirror(self._model.feedback, self.inputs.rest.size, self._model.Ts_s)
 
     def aux(self, values: Sequence[Floats32]) -> None:
         """Set the auxiliary channels of the next sample, (lanes,) each, in the order of `channels`."""
@@ -239,6 +241,16 @@ class Instance(InstanceWords):
         self._count_event(Status.INVERSE_RESIDUAL, found.residual.astype(np.uint32))
         self._apply(sums, extra, y, found.w)
         return self.u_V
+
+    def correct(self, residual_um: Floats32) -> Floats32:
+        """Correction c(k) [um], (lanes,), for the residual [um], (lanes,): reference less reading."""
+        reach = self.numbers.reach_um
+        held, rejected = finite(residual_um, np.zeros_like(self.y_um))
+        residual, clamped = limited(held, -reach, reach)
+        self._count_event(Status.Y_REJECTED, rejected)
+        self._count_event(Status.Y_CLAMPED, clamped)
+        ends = (self.u_V >= self.high_V).astype(np.uint32), (self.u_V <= self.low_V).astype(np.uint32)
+        return self.loop.apply(residual, *(ends if self._model.rises else ends[::-1]))
 
     def _forward(self, y: Floats32, u: Floats32) -> Floats32:
         self.u_V = u

@@ -107,6 +107,9 @@ def parts_box(model: Model) -> PartsBox:
         floats |= {f"terms.{term.kind}.{path}": interval for path, interval in box.floats.items()}
         integers |= {f"terms.{term.kind}.{path}": largest for path, largest in box.integers.items()}
         regressors.append(box.regressors)
+    if model.feedback:
+        loop = model.feedback.box(float(numbers.reach_um), model.Ts_s)
+        floats |= {f"loop.{path}": box for path, box in loop.items()}
     return PartsBox(floats, integers, applied, command, tuple(regressors))
 
 

@@ -60,7 +60,7 @@ from hysgen.model.model import Model
 
 ENTRY: Final = "step.c"
 
-FUNCTIONS: Final[Mapping[str, int]] = {"init": 2, "predict": 2, "simulate": 1, "limits": 3, "inverse": 2, "aux": 0}
+FUNCTIONS: Final = {"init": 2, "predict": 2, "simulate": 1, "limits": 3, "inverse": 2, "correct": 1, "aux": 0}
 """Functions of an instance and the number of their float arguments."""
 
 
@@ -103,7 +103,7 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
         "inputs": FUNCTIONS[function],
         "channels": len(channels_of(model.terms)) if function == "aux" else 0,
         "input": floats[inputs],
-        "result": "float" if function in ("predict", "simulate", "inverse") else "",
+        "result": "float" if function in ("predict", "simulate", "inverse", "correct") else "",
     }
     checks = sum(word.demanded != "" for word in known) + (facts["result"] == "float")
     return {**texts, f"{name}.c": source, ENTRY: render("proof/step.c.j2", facts)}, checks
