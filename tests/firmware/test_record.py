@@ -174,7 +174,7 @@ def errors_nm(chosen: str | Path) -> float:
     driven = with_learner(load_model(chosen))
     if chosen != "appendix_a":  # what is named on the record leaves no cycles for a full learner
         driven = replace(driven, learner=replace(driven.learner or LearnerSettings(), learned=LEARNED["gain"]))
-    settings = Settings(ramp_V=0.05, follow_um=3.0, loop_low_V=23.0, loop_high_V=55.0)
+    settings = Settings(ramp_V=0.05, follow_um=1.0, loop_low_V=23.0, loop_high_V=55.0)
     firmware = HostFirmware(image() if chosen == "appendix_a" else compiled(driven), stage(6), settings)
     firmware.start(2.0)
     ahead, references_um = preview(driven.blocks) + 1, sine(5000)
