@@ -225,3 +225,32 @@ def test_an_interrupt_is_one_line_and_a_code_also_within_a_text_that_is_executed
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 130, done
     assert done.stderr.strip() == "hysgen: interrupted before anything was done"
+
+
+@pytest.mark.parametrize("fault", ["nan", "1.#INF", "9.9e37"])
+def test_rows_behind_those_that_are_asked_for_refuse_nothing(
+    fault: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = HEAD.splitlines()
+    lines[1801] = f"{lines[1801].rpartition(',')[0]},{fault}"
+    Path("late.csv").write_text("\n".join([lines[0], "", *lines[1:]]))
+    assert main(["fit", "late.csv", "--rows", "0:1802", "-o", "a.json"]) == 2
+    assert main(["fit", "late.csv", "--rows", "0:1800", "-o", "a.json"]) == 0
+    assert (
+        "late.csv: the rows from 1800 on are left out: late.csv: line 1803: displacement_um" in capsys.readouterr().err
+    )
+    Path("sound.csv").write_text("\n".join(lines[:1801]))
+    assert main(["fit", "sound.csv", "-o", "b.json"]) == 0
+    both = (json.loads(Path(name).read_text())["consequents"] for name in ("a.json", "b.json"))
+    assert next(both) == next(both)
+
+
+def test_a_stroke_of_nanometres_is_scored_with_the_digits_that_matter(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = [line.split(",") for line in HEAD.splitlines()[1:]]
+    rows = (f"{one[0]},{one[1]},{1e-3 * float(one[2])!r}" for one in record)
+    Path("nm.csv").write_text("\n".join(["time_s,voltage_V,displacement_um", *rows]))
+    assert main(["fit", "nm.csv", "-o", "nm.json"]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("free run  "))
+    assert len(line.split()[2].strip("0.")) >= 3

@@ -95,6 +95,8 @@ def read_records(
             jitter=arguments.jitter,
             accept=arguments.accept,
             split_at_gaps=arguments.split_at_gaps,
+            # The rows that a diagnosis does not identify on are held out, and wanted.
+            upto=None if gated else _stop_of(getattr(arguments, "rows", None)),
         )
     record = record.without_wrong_readings(gated)
     if big:
@@ -124,6 +126,12 @@ def _from_stdin(folder: Path) -> Path:
     path = folder / "stdin"
     path.write_bytes(sys.stdin.buffer.read())
     return path
+
+
+def _stop_of(rows: str | None) -> int | None:
+    """B of rows "A:B", if it is a number of rows."""
+    stop = (rows or "").rpartition(":")[2].strip()
+    return int(stop) if stop.isdecimal() and int(stop) else None
 
 
 def parse_rows(text: str, samples: int, Ts_s: float) -> tuple[int, int]:

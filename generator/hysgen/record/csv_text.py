@@ -29,8 +29,10 @@ from hysgen.record.spelling import UnreadableError, is_clock, is_value, number, 
 from hysgen.record.text import as_table, text_of
 
 
-def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, Columns]:
+def read_csv(source: str, content: Text, columns: Columns, upto: int | None = None) -> tuple[FileArrays, Columns]:
     """The numeric columns of a text file, in the units of the file, and those of the roles, as given or as guessed.
+
+    upto: number of rows that are read, None for all.
 
     Accepted: a byte order mark, UTF-16, CRLF, blank lines, comments after '#' or '%', quotes, a preamble, a row of
     units, units in the cells, a decimal comma, separators between thousands, Fortran exponents, times of day, no
@@ -41,6 +43,8 @@ def read_csv(source: str, content: Text, columns: Columns) -> tuple[FileArrays, 
     text, padding = text_of(source, content.data)
     text, form = as_table(source, text)
     layout = layout_of(source, text, columns)
+    if upto and (last := next(itertools.islice(layout.rows(), upto - 1, None), None)):
+        layout = replace(layout, body="".join(itertools.islice(io.StringIO(layout.body), last[0] + 1 - layout.first)))
     first_row = next((fields for _, fields in layout.rows()), None)
     if first_row is None:
         raise RecordError(f"{layout.source}: holds a header and no rows; record some samples")

@@ -277,7 +277,8 @@ class Record(Displayed):
             if low < high:
                 parts.append(segment.rows(low, high, self.Ts_s))
             first += segment.samples
-        return Record.from_segments(parts, self.Ts_s, _source_of_rows(self.source, start, stop), self.said)
+        base, begin = part_of(self.source)
+        return Record.from_segments(parts, self.Ts_s, f"{base}[{begin + start}:{begin + stop}]", self.said)
 
     def whole(self) -> Record:
         """The record with the past of every segment as samples of its own (`Segment.whole`)."""
@@ -331,12 +332,6 @@ class Record(Displayed):
         if not 0.0 < fraction < 1.0:
             raise RecordError(f"{self.source}: cannot be split at {fraction:g}; choose a fraction between 0 and 1")
         return self.split_at(round(fraction * self.samples))
-
-
-def _source_of_rows(source: str, start: int, stop: int) -> str:
-    """The name of a part of a source; of a part of a part: `a.csv[10:90]` for rows 10 .. 89 of `a.csv[0:100]`."""
-    base, first = part_of(source)
-    return f"{base}[{first + start}:{first + stop}]"
 
 
 def _range(channels: Iterator[NDArray[np.float64]]) -> tuple[float, float]:

@@ -41,11 +41,6 @@ ALIKE = 3
 """Consecutive rows of numbers that make the beginning of the table."""
 
 
-def _holds_numbers(line: str) -> bool:
-    """Whether two fields of a line are values, by any separator."""
-    return is_data(line) and any(sum(map(is_value, split(line, one))) >= 2 for one in CANDIDATES)
-
-
 @dataclass(frozen=True)
 class Layout:
     """Layout of a text.
@@ -101,7 +96,8 @@ def layout_of(source: str, text: str, columns: Columns) -> Layout:
         if given is None:
             _check_upright(source, lines, *named)
         start = _first_numbers(lines, columns, given)
-        if start is None and given is None and sum(map(is_data, lines)) > 1 and not any(map(_holds_numbers, lines)):
+        data = [line for line in lines if is_data(line)] if start is None and given is None else []
+        if len(data) > 1 and all(sum(map(is_value, split(line, one))) < 2 for line in data for one in CANDIDATES):
             raise RecordError(
                 f"{source}: line {at + 1}: holds no columns ('{lines[at].strip()[:40]}'); save time, voltage and "
                 "displacement as columns, or give --columns separator=..."

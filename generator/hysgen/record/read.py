@@ -26,6 +26,7 @@ def load_record(
     jitter: float = JITTER,
     accept: Collection[str] = (),
     split_at_gaps: bool = False,
+    upto: int | None = None,
 ) -> Record:
     """Read a record from one file, or from several files as several segments.
 
@@ -36,6 +37,8 @@ def load_record(
     jitter: largest deviation of a time step, relative to the period.
     accept: refusals that become warnings, out of "constant", "saturation", "swapped".
     split_at_gaps: start a new segment after a gap in time instead of refusing it.
+
+    upto: row from which on a fault does not refuse a single file: these rows are then left out, and it is said.
 
     Nothing in the files can run code. Raises RecordError with one line: file, row, field, fault and cure.
     """
@@ -52,7 +55,16 @@ def load_record(
         raise RecordError(f"a {type(path).__name__} is no name of a file; give a path, or several") from fault
     records = []
     for one in paths:
-        record = Record.from_segments(*checked(one.name, content_of(one, columns), jitter, accept, split_at_gaps))
+        try:
+            parts = checked(one.name, content_of(one, columns), jitter, accept, split_at_gaps)
+        except RecordError as fault:
+            if upto is None or len(paths) > 1:
+                raise
+            segments, Ts_s, source, said = checked(
+                one.name, content_of(one, columns, upto), jitter, accept, split_at_gaps
+            )
+            parts = segments, Ts_s, source, (*said, f"{source}: the rows from {upto} on are left out: {fault}")
+        record = Record.from_segments(*parts)
         records.append(record if len(paths) == 1 else _named_after(record, one.stem))
     if len(records) == 1:
         return records[0]
@@ -110,23 +122,24 @@ def _opened(path: Path) -> Text | FileArrays:
         raise RecordError(f"{path}: cannot be read ({fault.strerror}); check its permissions") from fault
 
 
-def content_of(path: Path, columns: Columns) -> Content:
-    """What a file holds, before the checks of time and values."""
+def content_of(path: Path, columns: Columns, upto: int | None = None) -> Content:
+    """What a file holds, before the checks of time and values; of its first `upto` rows."""
     file = _opened(path)
-    content = _content(path.name, file, columns)
+    content = _content(path.name, file, columns, upto)
     chosen = content.columns.displacement
     if chosen == columns.displacement or len(better := [*followers(content.runs)]) != 1:
         return content
     # The name alone decided, and another column of the kind follows the voltage.
-    content = _content(path.name, file, columns.named({"displacement": better[0]}))
+    content = _content(path.name, file, columns.named({"displacement": better[0]}), upto)
     said = f"{chosen} does not follow {content.columns.voltage}, {better[0]} does: read as displacement={better[0]}"
     return replace(content, remarks=(*content.remarks, said))
 
 
-def _content(source: str, file: Text | FileArrays, columns: Columns) -> Content:
+def _content(source: str, file: Text | FileArrays, columns: Columns, upto: int | None) -> Content:
     if not isinstance(file, Text):
-        return of_file_arrays(source, file, columns)
-    table, columns = read_csv(source, file, columns)
+        content = of_file_arrays(source, file, columns)
+        return content if upto is None else replace(content, runs=[content.runs[0].part(0, upto), *content.runs[1:]])
+    table, columns = read_csv(source, file, columns, upto)
     runs = runs_of_arrays(source, table, columns, columns.Ts_s)
     return Content(runs, columns, table.remarks, columns.Ts_s or table.Ts_s)
 

@@ -25,7 +25,7 @@ from hysgen.fitting.operator import MOST_PLAYS, RELAXING
 from hysgen.machine.files import write_whole
 from hysgen.model.file import is_model, load_model, save_model
 from hysgen.model.model import MOST_RULES, Model
-from hysgen.model.scores import Score, Scores, score_lines
+from hysgen.model.scores import Score, Scores, decimals, score_lines
 from hysgen.model.simulate import free_run, one_step
 from hysgen.record import Record
 
@@ -267,13 +267,14 @@ def run_compare(arguments: argparse.Namespace, console: Console) -> int:
     record = whole.rows(*parse_rows(arguments.rows, whole.samples, whole.Ts_s)) if arguments.rows else whole
     scores = {name: score(model, record) for name, model in models.items()}
     rows = []
+    digits = decimals(s.own.e_rms_um for s in scores.values())
     for name, s in scores.items():
         for line in s.warnings:
             console.warn(f"{name}: {line}")
         errors_um = (s.free_run.e_rms_um, s.own.e_rms_um, s.one_step.e_rms_um, s.free_run.largest_um)
-        rows.append([name, *(f"{error_um:.5f}" for error_um in errors_um), f"{s.free_run.of_span_percent:.3f}"])
+        rows.append([name, *(f"{error_um:.{digits}f}" for error_um in errors_um), f"{s.free_run.of_span_percent:.3f}"])
     some, best = next(iter(scores.values())), min(scores, key=lambda name: scores[name].own.e_rms_um)
-    rows.append(["persistence", "", "", f"{some.persistence.e_rms_um:.5f}", "", ""])
+    rows.append(["persistence", "", "", f"{some.persistence.e_rms_um:.{digits}f}", "", ""])
     console.say(table(COMPARED, rows))
     console.say(f"noise floor {some.noise.describe()}\nleast own error: {best}")
     if arguments.report:

@@ -90,12 +90,13 @@ def _scaled(values: Array, attributes: Mapping[str, Any]) -> Array:
     return np.asarray(values, dtype=np.float64) * factor + offset
 
 
-def _is_hdf5(path: Path, head: bytes) -> bool:
-    there = head.startswith(MAGIC) or head[MATLAB_BLOCK:].startswith(MAGIC)
-    return there or path.suffix.lower() in (".h5", ".hdf5", ".hdf")
-
-
-FORMAT = Format("hdf5", _is_hdf5, read_hdf5, after=("mat",))
+SUFFIXES = (".h5", ".hdf5", ".hdf")
+FORMAT = Format(
+    "hdf5",
+    lambda path, head: MAGIC in (head[:8], head[MATLAB_BLOCK:]) or path.suffix.lower() in SUFFIXES,
+    read_hdf5,
+    after=("mat",),
+)
 
 UNITS = ("varUnits", "VariableUnits")
 """Attributes of a timetable and of a table that hold the units of its columns."""

@@ -7,6 +7,7 @@
 """
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -52,8 +53,5 @@ def _columns(content: Any) -> Mapping[str, Any]:
     return {name: list(one.values()) if isinstance(one, dict) else one for name, one in content.items()}
 
 
-def _is_json(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".json" and head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[")
-
-
-FORMAT = Format("json", _is_json, read_json)
+START = re.compile(rb"[\xef\xbb\xbf \t\r\n]*[{\[]")
+FORMAT = Format("json", lambda path, head: path.suffix.lower() == ".json" and bool(START.match(head)), read_json)
