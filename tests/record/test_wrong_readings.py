@@ -10,7 +10,7 @@ import pytest
 
 import hysgen
 from hysgen.cli.main import main
-from hysgen.diagnosis.causes.readings import OutliersCause
+from hysgen.diagnosis.causes.outliers import OutliersCause
 from hysgen.display import Quantities
 from hysgen.record import Record, Segment
 from hysgen.record.read import demo_record, record_csv
