@@ -245,6 +245,10 @@ QUANTILES = (0.3, 0.5, 0.65, 0.77, 0.85, 0.9, 0.935, 0.96, 0.975, 0.985, 0.992, 
 """Quantiles of the command's rates that are the starting values of the limit; two or three edges are 0.2 % of a log."""
 
 
+GAP = 2.0
+"""Largest ratio of neighbouring starting values: a fit from half or twice a limit finds it, from less not always."""
+
+
 class SlewCause(Cause):
     name = "slew"
     rank = 20
@@ -262,7 +266,7 @@ class SlewCause(Cause):
         if self.present(chain):
             return []
         rates = np.concatenate([np.abs(np.diff(run.u_V)) / run.stride for run in scene.runs]) / scene.Ts_s
-        levels = np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES))
+        levels = _without_gaps(np.unique(np.quantile(rates[rates > 1e-6 * rates.max()], QUANTILES)))
         # The fitted lag may contain the effect of the limit, so shorter lags are starting values too.
         return [
             dataclasses.replace(chain.having(Slew(rate, rate)), lag_s=share * chain.lag_s)
@@ -300,3 +304,14 @@ class SlewCause(Cause):
 
     def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
         return voltage_step(max(100.0 / values["rate_V_per_s"], 30.0 * Ts_s), Ts_s)
+
+
+def _without_gaps(levels: Floats) -> Floats:
+    """Rising levels with others between them, so that none is more than GAP times the one before it.
+
+    Where a few edges are all that is fast, no quantile lies between them and the rest, but the limit may.
+    """
+    between = [
+        np.geomspace(a, b, math.ceil(math.log(b / a) / math.log(GAP)) + 1)[:-1] for a, b in itertools.pairwise(levels)
+    ]
+    return np.concatenate([*between, levels[-1:]])
