@@ -229,8 +229,10 @@ class Instance(InstanceWords):
         sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
         # Where a limit led the model astray, it goes on from where it was asked to be.
-        led_um = self.inputs.astray_um
-        start = np.where(bits_of(led_um) != 0, self.inputs.asked_um, y)
+        led_um, start = np.zeros_like(y), y
+        if self.inputs.members:
+            led_um = self.inputs.astray_um
+            start = np.where(bits_of(led_um) != 0, self.inputs.asked_um, y)
         found = self.inputs.invert(flushed(wanted_input(sums, start, wanted)), self._allowed())
         moved = (sums.slope * led_um + sums.gain * found.astray) * reciprocal(sums.weight)
         self.inputs.astray_um = inside(moved)
