@@ -68,10 +68,10 @@ def test_jumps_below_the_misfit_are_evident_between_two_samples() -> None:
     assert evidence(bent_um + stairs_um, 1.4) == 0.0
     assert evidence(bent_um, *planted_s) == 0.0
     found = search(scene(LAG, bent_um + stairs_um))
-    assert named(found) == ["unknown"]
+    assert named(found) == ["curve", "unknown"]
     for at_s in found.fit.chain.of(SuddenPart).times_s:
         assert min(abs(at_s - true_s) for true_s in planted_s) < 2.0 * TS_S
-    assert named(search(scene(LAG, bent_um))) == []
+    assert named(search(scene(LAG, bent_um))) == ["curve"]
 
 
 RATE_S, ROWS = 1e-3, 7000
@@ -239,8 +239,8 @@ def named_on(stage: Stage, bend: float, seed: int) -> tuple[str, ...]:
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(("stage", "bend"), [(BENT, 0.02), (FLICKERING, 0.0)], ids=["curved sensor", "1/f noise"])
 @pytest.mark.slow
-def test_no_cause_is_named(stage: Stage, bend: float, seed: int) -> None:
-    assert named_on(stage, bend, seed) == ()
+def test_no_cause_is_named_but_the_curve_of_the_ceramic(stage: Stage, bend: float, seed: int) -> None:
+    assert named_on(stage, bend, seed) == ("curve",)
 
 
 @pytest.mark.slow
