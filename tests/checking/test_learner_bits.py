@@ -93,9 +93,9 @@ def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_pa
     model_words, learner_words = host.words_of(instance), host.words_of(learner)
     copied = [(int(model_words[models[path]]), int(learner_words[mine[path]])) for path in states]
     assert [a for a, _ in copied] == [b for _, b in copied]
-    # Last voltage, what the inverse asked and where limits led it (2, and 2 of a mode), slew, delay (ring of 4, index, v),
-    # hysteresis (6 plays, 7 sums, 2 x 2 of Duhem states, turn, last input and output), 2 x 4 creep, 4 modes, 2 periodic,
-    # 2 coupling, 2 drift.
+    # Last voltage, what the inverse asked and where limits led it (2, and 2 of a mode), slew, delay (ring of 4, index,
+    # v), hysteresis (6 plays, 7 sums, 2 x 2 of Duhem states, turn, last input and output), 2 x 4 creep, 4 modes,
+    # 2 periodic, 2 coupling, 2 drift.
     assert len(states) == 1 + 4 + 1 + 6 + 20 + 8 + 4 + 2 + 2 + 2
     assert np.count_nonzero([a for a, _ in copied]) > 20
 
