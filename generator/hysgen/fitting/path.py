@@ -43,7 +43,6 @@ from hysgen.machine.reproducible import exp
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
-from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
 from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.record import Record
@@ -85,7 +84,7 @@ def known_past(record: Record, trust: Trust | None = None, blocks: Sequence[Inpu
     Before, plays may stand anywhere. The known past of a segment counts too. trust: further weights to multiply by;
     ones by default. blocks: of the path, whose limits the input passes: what they hold back covers nothing.
     """
-    limits = [block for block in blocks if isinstance(block, Saturation | Slew)]
+    limits = [block for block in blocks if block.limits and not block.responds]
     weights = []
     for i, (segment, past) in enumerate(zip(record.whole().segments, record.past_samples, strict=True)):
         weight = np.ones(segment.samples - past) if trust is None else np.array(trust[i])

@@ -17,7 +17,7 @@ from hysgen.errors import ModelError
 from hysgen.model.float32_arithmetic import KEPT, flushed
 from hysgen.model.intervals import Interval, symmetric
 from hysgen.model.path.base import Bits, Floats32, limited
-from hysgen.model.path.modes import ModesMirror
+from hysgen.model.path.modes_mirror import ModesMirror
 from hysgen.model.path.structure import Structure
 from hysgen.model.structs import Member, MirroredStruct
 

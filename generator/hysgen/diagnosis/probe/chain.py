@@ -367,7 +367,7 @@ class Trace:
         """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
         if self.stride == 1:
             return h, chain
-        thinned = Thinned(chain.lag_s, chain.parts, chain.memory, stride=self.stride, Ts_s=Ts_s)
+        thinned = Thinned(chain.lag_s, chain.parts, chain.memory, chain.curve, stride=self.stride, Ts_s=Ts_s)
         return thinned.input(h), thinned
 
 

@@ -228,15 +228,15 @@ class Instance(InstanceWords):
         self._count_event(Status.REFERENCE_CLAMPED, cut)
         sums, extra = rule_sums(numbers, self.bank, y), self._extra(preview(self._model.blocks))
         wanted = reference if extra is None else reference - extra
-        # Where a limit led the model astray, it goes on from where it was asked to be.
-        led_um, start = np.zeros_like(y), y
-        if self.inputs.members:
-            led_um = self.inputs.astray_um
+        strays, led_um, start = bool(self.inputs.members), self.inputs.astray_um, y
+        if strays:
+            # Where a limit led the model astray, it goes on from where it was asked to be.
             start = np.where(bits_of(led_um) != 0, self.inputs.asked_um, y)
         found = self.inputs.invert(flushed(wanted_input(sums, start, wanted)), self._allowed())
-        moved = (sums.slope * led_um + sums.gain * found.astray) * reciprocal(sums.weight)
-        self.inputs.astray_um = inside(moved)
-        self.inputs.asked_um = np.where(bits_of(self.inputs.astray_um) != 0, reference, np.float32(0.0))
+        if strays:
+            moved = (sums.slope * led_um + sums.gain * found.astray) * reciprocal(sums.weight)
+            self.inputs.astray_um = inside(moved)
+            self.inputs.asked_um = np.where(bits_of(self.inputs.astray_um) != 0, reference, np.float32(0.0))
         self.u_V = found.u_V
         self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
         self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))

@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from hysgen.model.float32_arithmetic import flushed
 from hysgen.model.part import Words
 from hysgen.model.path.base import Bits, BlockMirror, Floats32, InputBlock, limited
-from hysgen.model.path.modes import ModesMirror, astray_members, straying
+from hysgen.model.path.modes import astray_members, straying
+from hysgen.model.path.modes_mirror import ModesMirror
 from hysgen.model.structs import MirroredStruct
 
 Flags = NDArray[np.bool_]
