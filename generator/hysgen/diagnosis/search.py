@@ -32,6 +32,7 @@ from hysgen.diagnosis.search_steps import (
     ROUNDS,
     State,
     best_additions,
+    chains_without_a_cause,
     fall_of_addition,
     leaves_out_a_cause,
     next_step,
@@ -128,8 +129,8 @@ def _begin(part: Scene, fit: Fit) -> State:
 def _result(usable: Scene, corrupted: NDArray[np.bool_], state: State, added: dict[str, Scored]) -> SearchResult:
     """The final fit with what the scores around it say."""
     current, names = state.current, present(state.current.chain)
-    less = state.fits_of_smaller([causes()[name].without(current.chain) for name in names])
-    without = state.scored(less, bounded=False)
+    less = state.fits_of_smaller(chains_without_a_cause(state))
+    without = state.scored(less, bounded=False)[::-1]
     rivals = {name: one for one in without for name in names if name not in present(one.chain)}
     falls = {name: fall_of_addition(one, current) for name, one in added.items() if name not in names}
     bayes = {name: rise_without(state, current, one) for name, one in rivals.items()}

@@ -119,7 +119,7 @@ def _dropped_or_exchanged(state: State) -> Scored | None:
     slow = [name for name in slow_causes() if name in names]
     less = [one for name in names for one in causes()[name].simpler_forms(chain)]
     less += [one for name in names for one in causes()[name].without_one_part(chain)]
-    less += [causes()[name].without(chain) for name in names]
+    less += chains_without_a_cause(state)
     if len(slow) > 1:
         less.append(without_causes(chain, slow))
     dropped = state.scored(state.fits_of_smaller(list(dict.fromkeys(less))))
@@ -137,6 +137,17 @@ def _dropped_or_exchanged(state: State) -> Scored | None:
         if _likelier(state, other, bare, either_slow) and rise_without(state, other, bare) >= LEAST_EVIDENCE:
             return other
     return None
+
+
+def chains_without_a_cause(state: State) -> list[Chain]:
+    """The current chain without each of its causes, and the fuller forms of what is similar to the one left out."""
+    names, chains = present(state.current.chain), []
+    for name in names:
+        bare = causes()[name].without(state.current.chain)
+        chains.append(bare)
+        for other in (other for other in names if other != name and similar(name, other)):
+            chains += causes()[other].fuller_forms(bare, state.scene)
+    return chains
 
 
 def leaves_out_a_cause(state: State, step: Scored) -> bool:

@@ -197,6 +197,10 @@ class Cause(abc.ABC):
         """Chains with a simpler form of this cause, to replace it if the score rises by less than LEAST_EVIDENCE."""
         return []
 
+    def fuller_forms(self, chain: Chain, scene: Scene) -> list[Chain]:
+        """Chains with a form of this cause, at starting values, that may hold what a similar cause took."""
+        return []
+
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """Whether the cause acts on the fitted rows as its definition says, beside the bounds of its parameters.
 

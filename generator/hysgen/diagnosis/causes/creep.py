@@ -72,6 +72,10 @@ class CreepPart(Part):
         """The creep of a stage that rested before the record."""
         return CreepPart(self.per_decade, self.from_s, first_V=self.first_V)
 
+    def moved(self, past_V: float, span_s: float) -> CreepPart:
+        """The creep of a stage that rested at past_V until PAST_S of the record before it."""
+        return CreepPart(self.per_decade, self.from_s, past_V, PAST_S * span_s, self.first_V)
+
     def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
         # Creep slower than ten times the length of the record cannot be measured.
         return Creep.logarithmic(self.per_decade, self.from_s, 10.0 * span_s, states)
@@ -99,6 +103,12 @@ class CreepCause(Cause):
         part = chain.of(CreepPart)
         return [] if part.past_V is None else [chain.having(part.rested)]
 
+    def fuller_forms(self, chain: Chain, scene: Scene) -> list[Chain]:
+        """Creep of a stage that moved before the record, which drifts."""
+        part, extent = chain.of(CreepPart), scene.extent
+        pasts = [part.moved(past_V, scene.span_s) for past_V in (extent.low_V, extent.high_V)]
+        return [] if part.past_V is not None else [chain.having(past) for past in pasts]
+
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start for each level of the past: a fit does not leave the side on which it starts."""
         return list({start.chain.of(CreepPart).past_V: start for start in reversed(candidates)}.values())
@@ -124,8 +134,7 @@ class CreepCause(Cause):
             creep = residual.amount(np.concatenate(residual.responses(unit)) - still)
             per_decade = float(np.clip(creep, LEAST_START, 1.0))
             candidates.append(chain.having(CreepPart(per_decade, start_s, first_V=first_V)))
-            for past_V in (scene.extent.low_V, scene.extent.high_V):
-                candidates.append(chain.having(CreepPart(per_decade, start_s, past_V, PAST_S * scene.span_s, first_V)))
+            candidates += self.fuller_forms(candidates[-1], scene)
         return candidates
 
     def effect(self, residual: Residual) -> Effect:

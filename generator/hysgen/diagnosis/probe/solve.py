@@ -250,8 +250,8 @@ def _sandwich(J: Floats, error: Floats) -> Floats:
     scaled = J / np.where(zero, 1.0, norm)[:, None]
     inverse = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
     scores = np.stack([scaled[:, a:b] @ error[a:b] for a, b in itertools.pairwise(block_edges(len(error)))])
-    covariance = inverse @ (scores.T @ scores) @ inverse * (BLOCKS - 1) / BLOCKS
-    return np.where(zero, np.inf, np.sqrt(np.diag(covariance)) / np.where(zero, 1.0, norm))
+    variance = ((scores @ inverse) ** 2).sum(axis=0) * (BLOCKS - 1) / BLOCKS
+    return np.where(zero, np.inf, np.sqrt(variance) / np.where(zero, 1.0, norm))
 
 
 CORRELATION_LENGTH = 0.05
