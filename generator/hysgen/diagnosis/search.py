@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.causes import Residual, causes
+from hysgen.diagnosis.causes import Residual
 from hysgen.diagnosis.probe import (
     Chain,
     Fit,

@@ -18,6 +18,7 @@ from hysgen.diagnosis.probe import (
     Chain,
     Fit,
     Part,
+    Scene,
     ShapeParameter,
     TrainingFit,
     standard_errors,
