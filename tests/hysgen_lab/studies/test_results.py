@@ -117,7 +117,7 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
         judged(1, (), 2.0, family="thermal"),
         judged(2, ("creep",), 3.0, fall=8.0, over_truth=1.5, confidence={"creep": 0.9}, ranks={"creep.share": 0.3}),
         judged(4, ("creep", "drift"), 5.0, fall=6.0, confidence={"creep": 1.0, "drift": 0.95}, ranks=LAST),
-        judged(9, ("drift",), 9.0, category="poor"),
+        judged(9, ("drift",), 9.0, category="poor", family="tilt"),
     )
     result = BankResult(records, (1, 9), 5)
     assert not result.complete
@@ -136,6 +136,7 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
     assert told["families"] == {
         "thermal": {"records": 1, "exact_rate": 0.0, "found_rate": 0.0},
         "": {"records": 2, "exact_rate": 0.5, "found_rate": 1.0},
+        "tilt": {"records": 0, "exact_rate": None, "found_rate": None},
     }
     assert told["false_alarm_rate"] is None
     path = tmp_path / "a" / "log"

@@ -228,7 +228,11 @@ class BankResult:
                 if not v.exact
             ],
             "families": {
-                name: {"records": len(part.judged()), "exact_rate": part.exact_rate, "found_rate": part.found_rate}
+                name: {
+                    "records": len(part.judged()),
+                    "exact_rate": _finite(part.exact_rate),
+                    "found_rate": _finite(part.found_rate),
+                }
                 for name, part in self.families().items()
             },
             "median_seconds": _median([judgement.seconds for judgement in self.judgements]),
