@@ -49,7 +49,7 @@ def test_the_facts_of_a_component_are_the_models_numbers() -> None:
 def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
     options, ours = Options(), model()
     facts = component_facts(ours, options)
-    found = {variable.name: variable for variable in fmu.fmu_variables(ours, options)}
+    found = {variable.name: variable for variable in fmu.variables(ours, facts)}
     assert [(v.reference, v.index) for v in found.values()] == [(k, k) for k in range(1, len(found) + 1)]
     by_causality = {
         kind: [name for name, variable in found.items() if variable.causality == kind]
@@ -80,7 +80,8 @@ def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
     assert {found[name].member for name in bits} == {"status"}
     assert found["commit"].start == "false"
     assert (np.float32(found["y0_um"].c_start.removesuffix("f")), mode.c_start) == (np.float32(facts["rest_um"]), "1u")
-    plain = {variable.name for variable in fmu.fmu_variables(load_model("appendix_a"), Options(inverse=False))}
+    appendix = load_model("appendix_a")
+    plain = {variable.name for variable in fmu.variables(appendix, component_facts(appendix, Options(inverse=False)))}
     assert not plain & {"y_next_um", "commit", "answer"}
 
 

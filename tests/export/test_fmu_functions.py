@@ -9,9 +9,9 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.export import export_texts
-from hysgen.export.base import MODES
+from hysgen.export.base import MODES, component_facts
 from hysgen.export.check import Reference, inputs
-from hysgen.export.fmu import Variable, fmu_variables
+from hysgen.export.fmu import Variable, variables
 from hysgen.machine.native import Library, build
 from hysgen.model.structs import Status
 
@@ -123,7 +123,7 @@ def token() -> bytes:
 
 @functools.cache
 def named() -> dict[str, Variable]:
-    return {variable.name: variable for variable in fmu_variables(model(), Options())}
+    return {variable.name: variable for variable in variables(model(), component_facts(model(), Options()))}
 
 
 class Fmu:

@@ -42,7 +42,7 @@ from hysgen.report.page import (
     provenance_section,
     uncertainty_section,
 )
-from hysgen.report.pages import ScoredModels, diagnosis_page, file_names, key_figures, model_page
+from hysgen.report.pages import diagnosis_page, file_names, key_figures, model_page
 from hysgen.report.plots import style
 from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, profiles_picture, spectrum_picture
 from hysgen.report.plots.results import draw
@@ -449,11 +449,9 @@ def scored(name: str, one_step_um: float, free_um: float) -> Scores:
 def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None:
     record = Record.from_arrays(U_V, Y_UM, TS_S, source="a.csv")
     other = dataclasses.replace(model(), name="other")
-    rivals = [("line", Score(0.9, 1.8, 5.0, 1.25, 600))]
-    shown = ScoredModels(
-        record, {"a": model(), "b": other}, {"a": scored("a", 0.02, 0.4), "b": scored("b", 0.005, 0.3)}, rivals
-    )
-    page = model_page("title", shown, "command")
+    scores = {"a": scored("a", 0.02, 0.4), "b": scored("b", 0.005, 0.3)}
+    rivals = {"line": Score(0.9, 1.8, 5.0, 1.25, 600)}
+    page = model_page("title", record, {"a": model(), "b": other}, scores, rivals, "command")
     assert list(page.lead) == ["Free run over 600 samples: a 0.4 um rms, b 0.3 um rms; the noise is 0.01 um."]
     assert [figure.label for figure in page.figures] == ["free run, a", "free run, b", "noise floor"]
     assert page.figures[0].value == "0.4 µm"

@@ -25,7 +25,7 @@ from hysgen.model.file import load_model
 from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.page import readable, sentence, uncertainty_section
-from hysgen.report.pages import ScoredModels, model_page
+from hysgen.report.pages import model_page
 from hysgen.report.plots.diagnosis import held_out_runs, pictures
 from hysgen.report.plots.style import data_uri, png_bytes
 from hysgen.report.plots.traces import time_picture
@@ -249,7 +249,7 @@ def test_models_have_a_page_of_the_same_kind() -> None:
     record = small_record()
     models = {name: fit(record, FitSettings(rules=rules, method="batch")) for name, rules in (("two", 2), ("four", 4))}
     scores = {name: score(model, record) for name, model in models.items()}
-    reader = read(model_page("t <&>", ScoredModels(record, models, scores)).html())
+    reader = read(model_page("t <&>", record, models, scores).html())
     assert not reader.wrong
     assert not reader.open
     assert "Certificates over the whole range" in reader.text

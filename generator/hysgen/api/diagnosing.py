@@ -126,7 +126,7 @@ def page(result: Study | tuple[Model, Scores, Record] | tuple[Mapping[str, Model
     else:
         model, scores, record = result
         models, scored = {model.name: model}, {model.name: scores}
-    from hysgen.report.pages import ScoredModels, model_page
+    from hysgen.report.pages import model_page
 
-    made = model_page(title or f"{', '.join(models)} on {record.source}", ScoredModels(record, models, scored))
+    made = model_page(title or f"{', '.join(models)} on {record.source}", record, models, scored)
     return dataclasses.replace(made, quantities=record.quantities)

@@ -8,6 +8,7 @@ proof of CALL must fail, and holds the C in its place (tests/fixtures/guards.py)
 """
 
 import functools
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -91,13 +92,8 @@ def squares(count: int) -> list[Step]:
     >>> [f"{step.name} = {step.text}" for step in squares(6)]
     ['r2 = r * r', 'r4 = r2 * r2']
     """
-    steps: list[Step] = []
-    exponent = 2
-    while exponent < count:
-        half = _power(exponent // 2)
-        steps.append(Step(_power(exponent), f"{half} * {half}"))
-        exponent *= 2
-    return steps
+    halves = [2**k for k in range(count) if 2 ** (k + 1) < count]
+    return [Step(_power(2 * half), f"{_power(half)} * {_power(half)}") for half in halves]
 
 
 def powers(count: int) -> list[Step]:
@@ -155,6 +151,7 @@ class Feature:
 class StateText:
     """The struct of the state of a term or an input block as C, and the prefix of its functions and constants."""
 
+    kind: str
     struct: Struct
     prefix: str
 
@@ -183,10 +180,6 @@ class TermText(StateText):
     channels: tuple[int, ...]
 
     @property
-    def kind(self) -> str:
-        return self.term.kind
-
-    @property
     def size(self) -> int:
         return self.term.size
 
@@ -201,10 +194,6 @@ class BlockText(StateText):
 
     block: InputBlock
     solves: bool
-
-    @property
-    def kind(self) -> str:
-        return self.block.kind
 
     @property
     def responds(self) -> bool:
@@ -228,23 +217,26 @@ class BlockText(StateText):
 
 def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     """The model's terms in order, each with the index of its first regressor."""
-    texts: list[TermText] = []
-    first = 0
-    for term in model.terms:
-        prefix = f"{model.name}_{term.kind}"
-        mirror = type(term.mirror(1, model.Ts_s))
-        channels = tuple(channels_of(model.terms).index(name) for name in term.channels)
-        texts.append(
-            TermText(part_struct(model, term), prefix, term, first, mirror.correct is not Mirror.correct, channels)
+    names, firsts = channels_of(model.terms), itertools.accumulate((term.size for term in model.terms), initial=0)
+    return [
+        TermText(
+            term.kind,
+            part_struct(model, term),
+            f"{model.name}_{term.kind}",
+            term,
+            first,
+            type(term.mirror(1, model.Ts_s)).correct is not Mirror.correct,
+            tuple(names.index(name) for name in term.channels),
         )
-        first += term.size
-    return texts
+        for term, first in zip(model.terms, firsts, strict=False)
+    ]
 
 
 def block_texts(model: Model) -> list[BlockText]:
     """The model's input blocks in order."""
     return [
         BlockText(
+            block.kind,
             part_struct(model, block),
             f"{model.name}_{block.kind}",
             block,

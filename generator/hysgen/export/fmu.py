@@ -144,11 +144,6 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     return listed
 
 
-def fmu_variables(model: Model, options: Options) -> list[Variable]:
-    """The variables of the FMU of `model` with the given options."""
-    return variables(model, component_facts(model, options))
-
-
 def token(texts: Mapping[str, str]) -> str:
     """The identity of the FMU: a UUID made of the digest of all files of the generated folder."""
     d = digest("".join(f"{name}\n{texts[name]}" for name in sorted(texts)).encode())
@@ -248,7 +243,7 @@ def run_fmu(standard: int, model: Model, folder: Path, samples: Samples) -> Word
     except ImportError as fault:
         raise BuildError("FMPy is not installed: pip install 'hysgen[export]'") from fault
     options = Options(inverse=bool(read_folder(folder / "model").facts["options"]["inverse"]))
-    by_name = {variable.name: variable for variable in fmu_variables(model, options)}
+    by_name = {variable.name: variable for variable in variables(model, component_facts(model, options))}
     path = str(folder / f"{model.name}_fmi{standard}.fmu")
     description = fmpy.read_model_description(path)
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:

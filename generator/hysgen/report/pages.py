@@ -4,8 +4,7 @@ The HTML report of a diagnosis: error, causes, ladder, model, equality of bits, 
 """
 
 import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from hysgen.model.model import Model
 from hysgen.model.scores import OWN, SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen.record.noise import NoiseFloor
 from hysgen.report.page import (
     PALETTE,
     Card,
@@ -55,51 +53,41 @@ COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00"
 """Of the models, in their order: Okabe and Ito (2008), as in `style`."""
 
 
-@dataclass(frozen=True, eq=False)
-class ScoredModels:
-    """Models by their names in the report, and their scores on one record that no fit has used.
+def model_page(
+    title: str,
+    record: Record,
+    models: Mapping[str, Model],
+    scores: Mapping[str, Scores],
+    rivals: Mapping[str, Score] | None = None,
+    command: str = "",
+) -> Page:
+    """The report of models, by their names in it, with their scores on one record that no fit has used.
 
-    rivals: free-run scores of models of other kinds, by name.
+    rivals: free-run scores of models of other kinds, by name. command: the command line that repeats the report, if
+    there is one.
     """
-
-    record: Record
-    models: Mapping[str, Model]
-    scores: Mapping[str, Scores]
-    rivals: Sequence[tuple[str, Score]] = ()
-
-    @property
-    def noise(self) -> NoiseFloor:
-        """The noise floor of the record."""
-        return next(iter(self.scores.values())).noise
-
-    def rows(self) -> list[tuple[str, Score]]:
-        """(label, score): every model in free run, every model one step ahead, persistence, the rivals."""
-        rows = [(f"{name}, free run", s.free_run) for name, s in self.scores.items()]
-        rows += [(f"{name}, {OWN}", s.own) for name, s in self.scores.items()]
-        rows += [(f"{name}, one step", s.one_step) for name, s in self.scores.items()]
-        rows.append(("persistence, one step", next(iter(self.scores.values())).persistence))
-        return rows + [(f"{name}, free run", score) for name, score in self.rivals]
-
-
-def model_page(title: str, scored: ScoredModels, command: str = "") -> Page:
-    """The report of models on a record. command: the command line that repeats the report, if there is one."""
-    best, record = list(scored.models.values())[-1], scored.record
-    shown, pictures = _pictures(scored)
+    some = next(iter(scores.values()))
+    rows = [(f"{name}, free run", s.free_run) for name, s in scores.items()]
+    rows += [(f"{name}, {OWN}", s.own) for name, s in scores.items()]
+    rows += [(f"{name}, one step", s.one_step) for name, s in scores.items()]
+    rows += [("persistence, one step", some.persistence)]
+    rows += [(f"{name}, free run", score) for name, score in (rivals or {}).items()]
+    shown, pictures = _pictures(record, models, scores)
     return Page(
         title=title,
         lead=[
             f"Free run over {record.samples} samples: "
-            + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scored.scores.items())
-            + f"; the noise is {scored.noise.rms_um:.2g} um."
+            + ", ".join(f"{name} {s.free_run.e_rms_um:.3g} um rms" for name, s in scores.items())
+            + f"; the noise is {some.noise.rms_um:.2g} um."
         ],
-        figures=_key_figures(scored, shown),
+        figures=_key_figures(scores, shown),
         sections=[
             PageSection(
                 "Scores",
-                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(scored.rows()), left=1)],
+                tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(rows), left=1)],
                 notes=[
-                    f"{min(scored.scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
-                    *(f"Warning: {line}." for s in scored.scores.values() for line in s.warnings),
+                    f"{min(scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
+                    *(f"Warning: {line}." for s in scores.values() for line in s.warnings),
                     "e_r: largest error. Stroke: range of the displacement over the record and the rows before it. "
                     "One-step errors are small for every model; the free run decides.",
                 ],
@@ -110,22 +98,21 @@ def model_page(title: str, scored: ScoredModels, command: str = "") -> Page:
                 pictures=pictures,
                 notes=["Error: simulated - measured."],
             ),
-            model_section(best),
+            model_section(best := list(models.values())[-1]),
             glossary_section(),
-            provenance_section(
-                best,
-                [
-                    *([("command", command)] if command else []),
-                    ("record", record.source),
-                    ("record SHA-256", record.digest),
-                ],
-            ),
+            provenance_section(best, _sources(command, record)),
         ],
     )
 
 
-def _key_figures(scored: ScoredModels, shown: Simulated) -> list[KeyFigure]:
+def _sources(command: str, record: Record) -> list[tuple[str, str]]:
+    asked = [("command", command)] if command else []
+    return [*asked, ("record", record.source), ("record SHA-256", record.digest)]
+
+
+def _key_figures(scores: Mapping[str, Scores], shown: Simulated) -> list[KeyFigure]:
     """Free-run errors and noise floor."""
+    noise = next(iter(scores.values())).noise
     return [
         KeyFigure(
             f"free run, {name}",
@@ -133,21 +120,22 @@ def _key_figures(scored: ScoredModels, shown: Simulated) -> list[KeyFigure]:
             f"{s.free_run.of_span_percent:.2g} % of the stroke; fit (NRMSE) "
             f"{fit_percent(shown.measured_um, shown.runs[name]):.4g} %",
         )
-        for name, s in scored.scores.items()
-    ] + [KeyFigure("noise floor", f"{scored.noise.rms_um:.2g} µm", scored.noise.describe().partition(" rms ")[2])]
+        for name, s in scores.items()
+    ] + [KeyFigure("noise floor", f"{noise.rms_um:.2g} µm", noise.describe().partition(" rms ")[2])]
 
 
-def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
+def _pictures(
+    record: Record, models: Mapping[str, Model], scores: Mapping[str, Scores]
+) -> tuple[Simulated, list[Picture]]:
     """The free runs over the longest scored segment and their pictures, error against the horizon among them."""
-    record, scores = scored.record, scored.scores
     number = int(np.argmax([segment.samples for segment in record.segments]))
     segment = record.segments[number]
-    lines = {name: {"color": colour} for name, colour in zip(scored.models, itertools.cycle(COLOURS), strict=False)}
+    lines = {name: {"color": colour} for name, colour in zip(models, itertools.cycle(COLOURS), strict=False)}
     shown = Simulated(
         segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64),
         segment.u_V,
         segment.y_um,
-        {name: free_run(model, record)[number].y_um for name, model in scored.models.items()},
+        {name: free_run(model, record)[number].y_um for name, model in models.items()},
         lines,
     )
     curves = {name: s.horizon for name, s in scores.items()}
@@ -156,7 +144,7 @@ def _pictures(scored: ScoredModels) -> tuple[Simulated, list[Picture]]:
         *response_pictures(shown),
         *loop_pictures(shown),
         time_picture(shown),
-        horizon(curves, {"noise floor": scored.noise.rms_um}, record.Ts_s, lines),
+        horizon(curves, {"noise floor": next(iter(scores.values())).noise.rms_um}, record.Ts_s, lines),
     ]
 
 
@@ -189,8 +177,12 @@ def diagnosis_page(
             _causes(study),
             _ladder(drawn, study),
             _error(drawn, study),
-            _loops(drawn),
-            _record(drawn, study),
+            PageSection(
+                "Measured and simulated",
+                text=["Held-out part of the record. Grey is measured."],
+                pictures=[drawn[name] for name in ("free-run", "zoom", "gain", "phase")],
+            ),
+            PageSection("The record", text=[f"{study.record.one_line()}."], pictures=[drawn["record"]]),
             _abilities(study),
             *([uncertainty_section(characterisation)] if characterisation else []),
             model_section(study.diagnosis.model),
@@ -200,9 +192,7 @@ def diagnosis_page(
             provenance_section(
                 study.diagnosis.model,
                 [
-                    *([("command", command)] if command else []),
-                    ("record", study.record.source),
-                    ("record SHA-256", study.record.digest),
+                    *_sources(command, study.record),
                     ("identified on", f"rows 0 to {study.cut - 1}"),
                     ("scored on", f"rows {study.cut} to {study.record.samples - 1}"),
                     ("sampling period", f"{1e6 * study.record.Ts_s:.6g} µs"),
@@ -256,22 +246,6 @@ def key_figures(study: Study, report: Report | None, price: Cost | None) -> list
             )
         )
     return figures
-
-
-def _record(drawn: dict[str, Picture], study: Study) -> PageSection:
-    return PageSection(
-        "The record",
-        text=[f"{study.record.one_line()}."],
-        pictures=[drawn["record"]],
-    )
-
-
-def _loops(drawn: dict[str, Picture]) -> PageSection:
-    return PageSection(
-        "Measured and simulated",
-        text=["Held-out part of the record. Grey is measured."],
-        pictures=[drawn[name] for name in ("free-run", "zoom", "gain", "phase")],
-    )
 
 
 def _error(drawn: dict[str, Picture], study: Study) -> PageSection:

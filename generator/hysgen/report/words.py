@@ -65,7 +65,11 @@ def diagnosis_text(study: Study) -> str:
         + (f"\n{CONFIDENCE}" if study.extended else "")
         + "".join(f"\ntaken out of own: {taken.text}" for taken in diagnosis.remaining.taken),
     ]
-    evidence = [f"{cause.name}: {cause.evidence}{_parameters(study, cause.name)}" for cause in diagnosis.causes]
+    stated = {cause.name: parameter_text(study, cause.name) for cause in diagnosis.causes}
+    evidence = [
+        f"{cause.name}: {cause.evidence}" + (f" ({stated[cause.name]})" if stated[cause.name] else "")
+        for cause in diagnosis.causes
+    ]
     evidence += [f"not named: {refused.name}: {refused.why}" for refused in diagnosis.refused]
     evidence += [
         f"could show {ability.name}: {ability.text()}" for ability in diagnosis.abilities if ability.verdict != "named"
@@ -102,11 +106,6 @@ def _rows_of(study: Study) -> str:
             "it, which is unknown"
         )
     return f"{study.record.source}: {study.cut} rows to identify; {scored}"
-
-
-def _parameters(study: Study, name: str) -> str:
-    text = parameter_text(study, name)
-    return f" ({text})" if text else ""
 
 
 def price_of(model: Model) -> Price | None:

@@ -233,11 +233,10 @@ def _write_page(
     scores: Mapping[str, Scores],
     rivals: Mapping[str, Score],
 ) -> None:
-    from hysgen.report.pages import ScoredModels, model_page
+    from hysgen.report.pages import model_page
 
-    scored = ScoredModels(record, models, scores, list(rivals.items()))
     title = f"{', '.join(models)} on {record.source}"
-    write_whole(Path(path), model_page(title, scored, command=command_line()).html())
+    write_whole(Path(path), model_page(title, record, models, scores, rivals, command_line()).html())
     console.say(f"\nwritten: {path}")
 
 

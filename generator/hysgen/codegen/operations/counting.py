@@ -6,6 +6,7 @@ pointers to local variables, count as registers; the minus of a negative constan
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Self
@@ -47,16 +48,7 @@ class Counts:
     branch: int = 0
 
     def __add__(self, other: Self) -> Counts:
-        return Counts(
-            self.add + other.add,
-            self.multiply + other.multiply,
-            self.compare + other.compare,
-            self.convert + other.convert,
-            self.integer + other.integer,
-            self.load + other.load,
-            self.store + other.store,
-            self.branch + other.branch,
-        )
+        return Counts(*map(operator.add, vars(self).values(), vars(other).values()))
 
     def times(self, count: int) -> Counts:
         """The counts multiplied by `count`."""

@@ -34,10 +34,7 @@ class Drawing:
 
     def save(self, path: str | Path) -> Path:
         """Write the figure as SVG if the name ends in .svg, else as PNG. Returns the path."""
-        chosen = Path(path)
-        if chosen.suffix == ".svg":
-            return style.save_svg(self.figure, chosen)
-        return style.save(self.figure, chosen)
+        return style.save(self.figure, Path(path))
 
     def _repr_png_(self) -> bytes:
         return style.png_bytes(self.figure)

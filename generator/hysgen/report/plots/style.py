@@ -130,9 +130,9 @@ def legend_above(axis: Axes) -> None:
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, columnspacing=1.2)
 
 
-def decimal_ticks(axis: Axes, x: bool = True) -> None:
-    """Decimal tick labels on logarithmic axes: of y, and of x if that is logarithmic, too."""
-    for line in (axis.yaxis, *([axis.xaxis] if x else [])):
+def decimal_ticks(axis: Axes) -> None:
+    """Decimal tick labels on logarithmic axes of x and y."""
+    for line in (axis.yaxis, axis.xaxis):
         decimal_ticks_of(line)
 
 
@@ -205,12 +205,6 @@ def plain_number(value: float, _: int | None = None) -> str:
 
 
 def save(fig: Figure, path: Path) -> Path:
-    """Write the figure as PNG, whole or not at all."""
-    write_whole(path, png_bytes(fig))
-    return path
-
-
-def save_svg(fig: Figure, path: Path) -> Path:
-    """Write the figure as SVG, whole or not at all."""
-    write_whole(path, svg_bytes(fig))
+    """Write the figure, whole or not at all: as SVG if the name ends in .svg, else as PNG. Returns the path."""
+    write_whole(path, svg_bytes(fig) if path.suffix == ".svg" else png_bytes(fig))
     return path

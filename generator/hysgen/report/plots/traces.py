@@ -32,7 +32,8 @@ def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, c
     Each error has an axis of its own: on one axis, the smaller is flat. Shows the first segment of the record.
     simulated_um: (n,) by name in the legend; colours: by the same names.
     """
-    measured_um, t_s = record.segments[0].y_um, times_s(record)
+    segment = record.segments[0]
+    measured_um, t_s = segment.y_um, segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
     count = len(simulated_um)
     fig = style.figure(7.2, 3.2 + 1.4 * count)
     above, *others = fig.subplots(1 + count, 1, sharex=True, height_ratios=[2.0] + [1.0] * count)
@@ -69,12 +70,6 @@ def horizon(
     ends = "; ".join(f"{name} {curve.rms_um[0]:.2g} to {curve.rms_um[-1]:.2g} µm" for name, curve in curves.items())
     last = max(curve.steps[-1] for curve in curves.values())
     return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
-
-
-def times_s(record: Record) -> Floats:
-    """Time stamps in s of the first segment, (n,)."""
-    segment = record.segments[0]
-    return segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
 
 
 def envelope(t_s: Floats, values: Floats, pieces: int = 1000) -> tuple[Floats, Floats]:
@@ -116,14 +111,10 @@ def record_picture(study: Study) -> Picture:
     for text, aside, side in (("identified", -4, "right"), ("held out", 4, "left")):
         style.note(above, text, (cut_s, 1.0), ("data", "axes fraction"), side, aside)
     above.set(ylabel="voltage [V]")
-    below.set(xlabel=time_label(study), ylabel="displacement [µm]", xlim=(0.0, float(time_s[-1])))
+    time_label = "time [s]" if len(record.segments) == 1 else "time [s], segments end to end"
+    below.set(xlabel=time_label, ylabel="displacement [µm]", xlim=(0.0, float(time_s[-1])))
     alt = f"{record.one_line()}; held out from {cut_s:.3g} s on."
     return Picture("record", "Voltage and displacement", alt, fig, wide=True)
-
-
-def time_label(study: Study) -> str:
-    """Label of the axis of time over the whole record."""
-    return "time [s]" if len(study.record.segments) == 1 else "time [s], segments end to end"
 
 
 def spectra(Ts_s: float, u_V: Floats, y_um: Floats) -> tuple[Floats, tuple[Floats, Floats, NDArray[np.complex128]]]:
