@@ -206,6 +206,26 @@ def test_a_displacement_that_stands_for_a_cause_passes(kind: str) -> None:
     assert Record.from_arrays(u_V, y_um, 1e-3).samples == N
 
 
+def test_units_of_one_column_that_differ_are_refused_and_times_with_a_zone_or_as_dates_are_read(tmp_path: Path) -> None:
+    rows = text("s,V,um", ",", TIME_S, U_V, Y_UM)
+    with pytest.raises(RecordError, match=r"position \[nm\] is in nm by its name and in um by the row of units; corr"):
+        read(tmp_path, "time [s],voltage [V],position [nm]\n" + rows)
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        file["time_s"], file["voltage_V"], file["position_nm"] = TIME_S, U_V, Y_UM
+        file["position_nm"].attrs["units"] = "um"
+    with pytest.raises(RecordError, match="position_nm is in nm by its name and in um by the file; correct one"):
+        load_record(tmp_path / "log.h5")
+    dates = np.datetime64("2026-03-04T10:00") + np.arange(N) * np.timedelta64(1, "ms")
+    lines = [f"{date}+02:00,{u:.9g},{y:.9g}" for date, u, y in zip(dates, U_V, Y_UM, strict=True)]
+    np.savez(tmp_path / "log.npz", time=dates, voltage_V=U_V, displacement_um=Y_UM)
+    for record in (
+        read(tmp_path, "\n".join(["timestamp,voltage_V,displacement_um", *lines])),
+        load_record(tmp_path / "log.npz"),
+    ):
+        assert record.Ts_s == pytest.approx(1e-3)
+        np.testing.assert_array_equal(record.y_um, Y_UM)
+
+
 @pytest.mark.parametrize(("every", "row"), [(2, "2nd"), (3, "3rd"), (10, "10th")])
 def test_a_sensor_slower_than_the_log_is_said_with_the_row_step(every: int, row: str) -> None:
     k = np.arange(4000)
@@ -238,9 +258,14 @@ def test_three_decimals_behind_a_comma_are_no_thousands(
 
 
 def test_a_voltage_or_a_sensor_that_stands_alone_and_two_meanings_of_a_comma_are_said(tmp_path: Path) -> None:
-    u_V, y_um = np.where(np.arange(N) == 70, 5000.0, U_V), np.where(np.arange(N) > 150, Y_UM[150], Y_UM)
-    assert any("index 70: voltage_V is 5000 V" in line for line in Record.from_arrays(u_V, Y_UM, 1e-3).warnings)
-    assert any("index 150: displacement_um stands" in line for line in Record.from_arrays(U_V, y_um, 1e-3).warnings)
+    k = np.arange(N)
+    u_V, packet_um = np.where((k > 69) & (k < 76), 5.0, U_V), np.where((k > 149) & (k < 170), Y_UM[150], Y_UM)
+    for drive_V, y_um, line in (
+        (u_V, Y_UM, "index 70: voltage_V is 5 V (6 such rows), and displacement_um does not answer: wrong?"),
+        (U_V, np.where(k > 150, Y_UM[150], Y_UM), f"index 150: displacement_um stands at {Y_UM[150]:.6g} um for 250"),
+        (U_V, packet_um, f"index 150: displacement_um stands at {Y_UM[150]:.6g} um for 20 rows without its noise"),
+    ):
+        assert line in " ".join(Record.from_arrays(drive_V, y_um, 1e-3).warnings)
     rows = (",".join(f"{x:.4f}".replace(".", ",") for x in row) for row in zip(TIME_S, U_V, Y_UM, strict=True))
     with pytest.raises(RecordError, match="line 2: has 6 fields, the header half as many; if its decimal signs are"):
         read(tmp_path, "\n".join(["Zeit,Spannung,Weg", *rows]))

@@ -57,6 +57,19 @@ def test_a_dropout_inside_the_range_and_two_side_by_side_are_found() -> None:
     assert [one.row for one in wrong_readings(Segment("0", U_V, y_um))] == [411, 902, 903]
 
 
+@pytest.mark.parametrize("size_V", [-60.0, -30.0, 40.0, 5000.0])
+@pytest.mark.parametrize("rows", [(2,), (600,), (601, 602), (N - 3,)])
+def test_a_wrong_voltage_that_the_stage_does_not_answer_is_bridged_and_one_that_it_answers_stays(
+    rows: tuple[int, ...], size_V: float
+) -> None:
+    u_V = U_V + size_V * np.isin(K, rows)
+    sound = Record.from_arrays(u_V, Y_UM, 1e-3, source="log.csv").without_wrong_readings()
+    assert f"log.csv: row {rows[0]}: the voltage is {u_V[rows[0]]:.6g} V, " in " ".join(sound.warnings)
+    np.testing.assert_allclose(sound.segments[0].u_V, U_V, atol=0.3)
+    np.testing.assert_array_equal(sound.y_um, Y_UM)
+    assert wrong_readings(Segment("0", u_V, stage(u_V))) == []
+
+
 MOTIONS = {
     "steps": np.repeat(np.random.default_rng(1).uniform(0.0, 100.0, 20), 75),
     "a pulse": 100.0 * (K == 700),

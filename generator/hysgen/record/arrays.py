@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hysgen.errors import RecordError, nearest
-from hysgen.record.columns import NONE, OWN, Columns, split_unit
+from hysgen.record.columns import NONE, OWN, Columns, agreed, split_unit
 from hysgen.record.formats import FileArrays, names_of
 from hysgen.record.formats.base import Array, period_in
 from hysgen.record.names import ROLES, WORDS, by_place, guessed, to_paste, words_of
@@ -131,7 +131,8 @@ def chosen_arrays(source: str, file: FileArrays, columns: Columns) -> tuple[Colu
     units = {
         role: unit
         for role in ROLES
-        if getattr(columns, f"{role}_unit") is None and (unit := _unit(file, names[role])) is not None
+        if getattr(columns, f"{role}_unit") is None
+        and (unit := agreed(source, names[role], {"the file": _unit(file, names[role])})) is not None
     }
     return replace(chosen.named(names, units), Ts_s=columns.Ts_s), Ts_s, guess
 

@@ -7,6 +7,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -318,3 +319,17 @@ def split_unit(name: str) -> tuple[str, str | None]:
         if any(plain_unit(unit) in units for units in UNITS.values()) or _OTHER_UNITS.fullmatch(unit):
             return ending.group(1), unit
     return text, None
+
+
+def agreed(source: str, name: str, stated: Mapping[str, str | None]) -> str | None:
+    """The last unit that is stated of a column. Raises RecordError if its name, or what is stated before, differs."""
+    named = split_unit(name)[1]
+    known = named and any(plain_unit(named) in units for units in UNITS.values())
+    said = [("its name", named)] if named and known else []
+    said += [(where, unit) for where, unit in stated.items() if unit]
+    for (first, one), (second, other) in pairwise(said):
+        if plain_unit(one) != plain_unit(other):
+            raise RecordError(
+                f"{source}: {name} is in {one} by {first} and in {other} by {second}; correct one of the two"
+            )
+    return said[-1][1] if said and said[-1][0] != "its name" else None

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
 from hysgen.record.checks import SHORTEST
-from hysgen.record.columns import NONE, Columns, plain_unit, split_unit
+from hysgen.record.columns import NONE, Columns, agreed
 from hysgen.record.formats.base import Array, FileArrays, Text
 from hysgen.record.header import unique
 from hysgen.record.layout import Layout, layout_of
@@ -116,15 +116,9 @@ def _stated_unit(layout: Layout, first_row: Sequence[str], columns: Columns, rol
     """The unit of a role in the first row's cell or in the row of units. Raises RecordError if the name has another."""
     name = getattr(columns, role)
     position = layout.names.index(name) if name in layout.names else len(first_row)
-    found = quantity(first_row[position], layout.comma) if position < len(first_row) else None
-    if found is None or not found[1]:
-        return layout.units.get(name)
-    named = layout.units.get(name) or split_unit(name)[1]
-    if named and plain_unit(named) != found[1]:
-        raise RecordError(
-            f"{layout.source}: {name} is in {named} by its name and in {found[1]} by its cells; correct one of the two"
-        )
-    return found[1]
+    cell = quantity(first_row[position], layout.comma) if position < len(first_row) else None
+    stated = {"the row of units": layout.units.get(name), "its cells": cell[1] if cell else None}
+    return agreed(layout.source, name, stated)
 
 
 def _check_one_row_a_sample(layout: Layout, columns: Columns) -> None:

@@ -309,7 +309,7 @@ class Record(Displayed):
         gated: a record with frequent ones stays as it is, for a diagnosis to judge.
         """
         segments, found = bridged_segments(self.segments, self.Ts_s)
-        if gated and are_frequent([one.row for one in found], self.samples):
+        if gated and are_frequent([one.row for one in found if not one.voltage], self.samples):
             return self
         if all(new is old for new, old in zip(segments, self.segments, strict=True)):
             return self

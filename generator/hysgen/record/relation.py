@@ -29,7 +29,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 from hysgen.record.columns import split_unit
 from hysgen.record.names import roles_in
 from hysgen.record.segment import Segment
-from hysgen.record.series import plateaus
+from hysgen.record.series import plateaus, resolution_um, white_noise
+from hysgen.record.wrong_readings import unanswered
 
 Floats = NDArray[np.float64]
 
@@ -243,28 +244,42 @@ def relation(runs: Sequence[Segment], Ts_s: float | None) -> Iterator[str]:
         )
 
 
+SHORTEST_PACKET = 10
+"""Equal readings that noise does not make."""
+
 RARE, STUCK, SWEPT = 0.002, 0.05, 0.5
 """Share of rows whose voltage may be a wrong reading; of rows in which a displacement that stands is stuck, while the
 voltage sweeps this share of its range."""
 
 
 def lone_voltages(runs: Sequence[Segment]) -> Iterator[str]:
-    """A line for a voltage that few rows have, farther off all others than they are from each other."""
+    """A line for a voltage that few rows have, farther off all others than they are from each other, or unanswered."""
     for run in runs:
         low, high = np.quantile(run.u_V, (RARE, 1.0 - RARE))
         rows = np.flatnonzero(np.maximum(low - run.u_V, run.u_V - high) > high - low)
+        why = f"others {low:.6g} .. {high:.6g} V"
+        if not rows.size and (spans := unanswered(run)):
+            rows, why = np.arange(*spans[0]), f"and {run.origin.displacement} does not answer"
         if rows.size and high > low:
             what = f"{run.origin.voltage} is {run.u_V[rows[0]]:.6g} V ({rows.size} such rows)"
-            yield f"{run.origin.at(int(rows[0]))}: {what}, others {low:.6g} .. {high:.6g} V: wrong? Then correct it"
+            yield f"{run.origin.at(int(rows[0]))}: {what}, {why}: wrong? Then correct it"
 
 
 def stands(runs: Sequence[Segment]) -> Iterator[str]:
-    """A line for a displacement that stands while the voltage sweeps SWEPT of its range."""
+    """A line for a displacement that stands while the voltage sweeps SWEPT of its range, or where its noise stands too.
+
+    With noise of more than half the resolution, equal readings are no rest, but a packet that a logger put twice.
+    """
     for run in runs:
-        for start, stop in plateaus(run.y_um, max(FEWEST, int(STUCK * run.samples))):
-            if np.ptp(run.u_V[start:stop]) > SWEPT * np.ptp(run.u_V):
+        noisy = white_noise(run.y_um) > 0.5 * resolution_um(run.y_um) > 0.0
+        lengths = np.diff(np.flatnonzero(np.diff(run.y_um, prepend=np.nan, append=np.nan)))
+        packet = max(SHORTEST_PACKET, 3.0 * float(np.quantile(lengths, 0.99))) if noisy else math.inf
+        for start, stop in plateaus(run.y_um, SHORTEST_PACKET):
+            swept = np.ptp(run.u_V[start:stop]) > SWEPT * np.ptp(run.u_V)
+            if (swept and stop - start >= max(FEWEST, int(STUCK * run.samples))) or stop - start >= packet:
                 what = f"{run.origin.displacement} stands at {run.y_um[start]:.6g} um for {stop - start} rows"
-                yield f"{run.origin.at(start)}: {what} while the voltage moves: is the sensor stuck? Leave them out"
+                how = "while the voltage moves" if swept else "without its noise"
+                yield f"{run.origin.at(start)}: {what} {how}: is the sensor stuck? Leave them out"
 
 
 def followers(runs: Sequence[Segment]) -> Iterator[str]:

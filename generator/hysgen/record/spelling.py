@@ -26,7 +26,7 @@ THOUSANDS = {
 _VALUE_AND_UNIT = re.compile(r"(.*[\d.,])\s*([^\d\s.,+-][^\d\s]*)")
 CLOCK = re.compile(
     r"(?:\d{4}-\d\d-\d\d|\d\d?\.\d\d?\.\d{4}|\d\d?/\d\d?/\d{4})?[T ]?"
-    r"\d\d?:\d\d:\d\d(?:[.,:]\d+)?(?:Z|\s?[AaPp]\.?[Mm]\.?)?"
+    r"\d\d?:\d\d:\d\d(?:[.,:]\d+)?(?:Z|[+-]\d\d:?\d\d|\s?[AaPp]\.?[Mm]\.?)?"
     r"|\d\d?:\d\d[.,]\d+"
 )
 """A date and time of day, a time of day alone, or minutes and seconds with a fraction."""
@@ -156,7 +156,7 @@ def clock_seconds(texts: Sequence[str]) -> NDArray[np.float64]:
 
 def _date_and_time(text: str) -> tuple[str, str]:
     """The date, "" if there is none, and the time as hh:mm:ss.s of 24 hours."""
-    text = text.rstrip("Z").replace(",", ".")
+    text = re.sub(r"(?<=\d)(?:Z|[+-]\d\d:?\d\d)$", "", text).replace(",", ".")
     half = re.search(r"\s?([ap])\.?m\.?$", text, re.IGNORECASE)
     text = (text[: half.start()] if half else text).replace(" ", "T")
     date, _, time = text.rpartition("T")

@@ -1,4 +1,4 @@
-"""Single wrong readings of the displacement, found from the record alone and bridged, or with the residual of a model.
+"""Single wrong readings of displacement and voltage, found from the record alone and bridged.
 
     r(k) = y(k) - a1 y(k-2) - a2 y(k-1) - a3 y(k+1) - a4 y(k+2) - sum_j b_j u(k-j) - c
 
@@ -7,10 +7,17 @@ distance from a parabola through three rows. A row is ordinary if |r| is at most
 rows around it, or LEAST of the stroke. One row, or two side by side, are wrong readings if bridging them leaves LEFT of
 |r| around them: a step, a knock with an echo or a vibration leave more. What follows a step of the voltage is a motion.
 Many such rows are the character of a signal, and stay.
+
+Rows of the voltage are wrong if it leaves and returns as it moves nowhere else, and the displacement does not answer:
+
+    y(k) = a1 y(k-1) + a2 y(k-2) + sum_j b_j u(k-j) + c,   least squares on the rows apart from such moves
+
+holds there, until DELAYED rows later, with the voltage bridged, and does not hold with the voltage as it was written.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,21 +59,83 @@ LEFT = 0.15
 COARSE = 3.0
 """Steps of the sensor's resolution within which a row is ordinary."""
 
+SURE = 10.0
+"""Limits of an ordinary row that a wrong voltage exceeds; half of one is what the displacement may do instead."""
+
 BESIDE = 4
 """Rows on either side that a wrong reading moves."""
 
 
 @dataclass(frozen=True)
 class WrongReading:
-    """row: from 0. value_um, bridged_um: what was read, and what stands between the neighbours."""
+    """row: from 0. value, bridged: what was read, and what stands between the neighbours, in um or V."""
 
     row: int
-    value_um: float
-    bridged_um: float
+    value: float
+    bridged: float
+    voltage: bool = False
 
 
 def wrong_readings(run: Segment) -> list[WrongReading]:
-    """The wrong readings of a run, in order."""
+    """The wrong readings of a run, in order, those of the voltage first."""
+    wrong = [
+        WrongReading(row, float(run.u_V[row]), float(value), voltage=True)
+        for start, stop in unanswered(run, 2)
+        for row, value in zip(range(start, stop), _between(run.u_V, start, stop)[start:stop], strict=True)
+    ]
+    return wrong + _wrong_displacements(bridged(run, wrong))
+
+
+def unanswered(run: Segment, widest: int = DELAYED) -> list[tuple[int, int]]:
+    """[start, stop) of up to `widest` rows that hold a wrong voltage."""
+    u, y = run.u_V, run.y_um
+    moves = np.diff(u)
+    usual, n = np.abs(moves[moves != 0.0]), u.size
+    if n < FEWEST or not usual.size or not np.isfinite(u).all() or not np.isfinite(y).all():
+        return []
+    jumps = np.flatnonzero(np.abs(moves) > max(FAR * np.quantile(usual, 0.95), LEAST * np.ptp(u))) + 1
+    pairs = [(a, b) for a, b in pairwise(jumps.tolist()) if b - a <= widest and moves[a - 1] * moves[b - 1] < 0.0]
+    apart = np.ones(n, dtype=bool)
+    for row in jumps if pairs else ():
+        apart[max(row - 1, 0) : row + DELAYED] = False
+    apart[:4] = False
+    rows = np.flatnonzero(apart)[:: max(1, np.count_nonzero(apart) // FITTED)]
+    if rows.size < FEWEST or not pairs:
+        return []
+    middle, centre, scale = float(np.median(y)), float(u.mean()), float(np.ptp(y)) / float(np.ptp(u)) or 1.0
+
+    def terms(drive_V: Floats, at: Rows) -> Floats:
+        drive = (drive_V - centre) * scale
+        return np.stack(
+            [y[at - 1] - middle, y[at - 2] - middle, *(drive[at - lag] for lag in range(5)), 0.0 * at + 1.0]
+        )
+
+    A, target = terms(u, rows), y[rows] - middle
+    # On a smooth voltage the b_j are alike: their sum is what the rows tell.
+    weights = np.linalg.solve(A @ A.T + 1e-9 * np.trace(A @ A.T) * np.eye(len(A)), A @ target)
+    ordinary = FAR * MEDIAN_TO_DEVIATION * float(np.median(np.abs(target - weights @ A)))
+    limit = max(ordinary, COARSE * resolution_um(y), 1e-9 * float(np.ptp(y)))
+    found: list[tuple[int, int]] = []
+    for start, stop in pairs:
+        at = np.arange(max(start, 4), min(stop + DELAYED, n))
+        written, without = (
+            float(np.abs(y[at] - middle - weights @ terms(drive, at)).max()) for drive in (u, _between(u, start, stop))
+        )
+        if written > SURE * limit and without <= 0.5 * limit and (not found or start > found[-1][1]):
+            found.append((start, stop))
+    return found
+
+
+def _between(values: Floats, start: int, stop: int) -> Floats:
+    """The values with rows start .. stop - 1 on the cubic through two rows on either side."""
+    beside = [at for at in (start - 2, start - 1, stop, stop + 1) if 0 <= at < values.size]
+    cubic = np.polyfit(np.subtract(beside, start), values[beside], min(len(beside) - 1, 3))
+    made = values.copy()
+    made[start:stop] = np.polyval(cubic, np.arange(stop - start))
+    return made
+
+
+def _wrong_displacements(run: Segment) -> list[WrongReading]:
     y, u = run.y_um.copy(), run.u_V
     n = y.size
     if n < FEWEST or not np.isfinite(y).all():
@@ -125,9 +194,10 @@ def lines_of(source: str, found: Sequence[WrongReading]) -> tuple[str, ...]:
     """A line for each wrong reading of a record; rows are those of the whole record, also for a part "a.csv[20:80]"."""
     name, first = part_of(source)
     lines = [
-        f"{name}: row {first + one.row}: the displacement is {one.value_um:.6g} um, "
-        f"{abs(one.value_um - one.bridged_um):.4g} um off its neighbours: a wrong reading, left out"
+        f"{name}: row {first + one.row}: the {'voltage' if one.voltage else 'displacement'} is {one.value:.6g} {unit}, "
+        f"{abs(one.value - one.bridged):.4g} {unit} off its neighbours: a wrong reading, left out"
         for one in found[:SAID]
+        for unit in ("V" if one.voltage else "um",)
     ]
     if len(found) > SAID:
         lines.append(f"{name}: {len(found) - SAID} more wrong readings are left out, to row {first + found[-1].row}")
@@ -142,11 +212,10 @@ def are_frequent(rows: Sequence[int] | Rows, samples: int) -> bool:
 
 def bridged(run: Segment, found: Sequence[WrongReading]) -> Segment:
     """The run with the wrong readings replaced by what stands between their neighbours."""
-    if not found:
-        return run
-    y_um = run.y_um.copy()
-    y_um[[one.row for one in found]] = [one.bridged_um for one in found]
-    return replace(run, y_um=y_um)
+    u_V, y_um = run.u_V.copy(), run.y_um.copy()
+    for one in found:
+        (u_V if one.voltage else y_um)[one.row] = one.bridged
+    return replace(run, u_V=u_V, y_um=y_um) if found else run
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,9 +288,7 @@ def _culprits(y: Floats, predictor: _Predictor, limit: Floats, first: int, last:
     for width in (1, 2):
         for row in range(max(first - 1, 0), min(last + 2, y.size) - width + 1):
             rows = np.arange(row, row + width)
-            beside = [at for at in (row - 2, row - 1, row + width, row + width + 1) if 0 <= at < y.size]
-            cubic = np.polyfit(np.subtract(beside, row), y[beside], min(len(beside) - 1, 3))
-            bridge: Floats = np.asarray(np.polyval(cubic, rows - row))
+            bridge = _between(y, row, row + width)[rows]
             kept, y[rows] = y[rows], bridge
             left = float((np.abs(predictor.residual(y, low, high)) / limit[low:high]).max())
             y[rows] = kept

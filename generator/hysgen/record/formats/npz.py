@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hysgen.errors import RecordError
-from hysgen.record.formats.base import Array, FileArrays, Format, one_line
+from hysgen.record.formats.base import Array, FileArrays, Format, one_line, seconds
 from hysgen.record.formats.packed import ZIP, parts_of
 
 NPY = b"\x93NUMPY"
@@ -30,7 +30,7 @@ def read_npz(path: Path) -> FileArrays:
             for name in archive.files:
                 member = archive[name]
                 if isinstance(member, np.ndarray):
-                    arrays[name] = member
+                    arrays[name] = seconds(member) if member.dtype.kind in "mM" else member
     except (ValueError, OSError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile, zlib.error) as fault:
         pickled = "allow_pickle" in str(fault)
         what = "is a pickled object, which could run code" if pickled else f"is damaged ({one_line(fault)})"
