@@ -214,13 +214,18 @@ def test_a_table_of_text_is_folded_to_the_width_and_keeps_every_word(rows: list[
         assert lines == text.splitlines()
 
 
-@pytest.mark.parametrize("within", ["", "exec('raise KeyboardInterrupt')"])
-def test_an_interrupt_is_one_line_and_a_code_also_within_a_text_that_is_executed(within: str) -> None:
-    """Dataclasses are made by such texts; CPython would then end by the signal after the line."""
+KILL = "os.kill(os.getpid(), signal.SIGINT)"
+
+
+@pytest.mark.parametrize(
+    "within", [KILL, "exec('raise KeyboardInterrupt')", f"weakref.ref(set(), lambda _: {KILL}), time.sleep(9)"]
+)
+def test_an_interrupt_is_one_line_and_a_code_also_in_executed_texts_and_callbacks(within: str) -> None:
+    """Dataclasses are made by such texts; CPython then ends by the signal after the line, or drops the interrupt."""
     program = (
-        "import os, signal, sys, hysgen.cli as cli\nfrom hysgen.__main__ import run\n"
+        "import os, signal, sys, time, weakref, hysgen.cli as cli\nfrom hysgen.__main__ import run\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        f"cli.main = lambda: ({within or 'os.kill(os.getpid(), signal.SIGINT)'})\nsys.exit(run())"
+        f"cli.main = lambda: ({within})\nsys.exit(run())"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 130, done

@@ -18,6 +18,7 @@ from hysgen.feedback.design import Notch, filter_block, largest_gain, zpk
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.feedback import Feedback
 from hysgen.model.file import load_model
+from hysgen.record.read import demo_record, record_csv
 
 SCRIPT = importlib.util.spec_from_file_location("loops", Path(__file__).parents[2] / "benchmarks" / "loops.py")
 assert SCRIPT is not None
@@ -115,3 +116,29 @@ def test_verb_and_refusals(tmp_path: Path, capsys: pytest.CaptureFixture[str], m
     assert "write KEY=VALUE" in capsys.readouterr().err
     with pytest.raises(HysgenError, match="gain = 1"):
         hysgen.design_loop("appendix_a", gain=1.5)
+
+
+@pytest.mark.slow
+def test_a_model_identified_again_has_its_loop_if_the_margins_stay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = demo_record()[:6000]
+    model = hysgen.fit(record)
+    loop = hysgen.design_loop(model, latency=3.0, frequency=0.05)
+    looped = loop.around(model)
+    later = hysgen.Record.from_arrays(record.u_V, 1.02 * record.y_um, record.Ts_s)
+    again, _ = hysgen.refit(looped, later)
+    assert again.history["loop"]["latency"] == 3.0
+    assert again.feedback is not None
+    assert 0.5 * loop.integral < again.feedback.integral <= loop.integral
+    assert again.feedback.limit_um == pytest.approx(1.02 * looped.feedback.limit_um, rel=1e-6)
+    hasty = dataclasses.replace(looped, feedback=dataclasses.replace(looped.feedback, integral=5.0 * loop.integral))
+    with pytest.warns(
+        hysgen.RecordWarning, match="its loop does not keep its margins around the new model and is left"
+    ):
+        assert hysgen.refit(hasty, later)[0].feedback is None
+    write_csv = tmp_path / "later.csv"
+    write_csv.write_text(record_csv(later))
+    hysgen.save_model(looped, tmp_path / "old.json")
+    assert main(["refit", str(tmp_path / "old.json"), str(write_csv), "-o", str(tmp_path / "new.json")]) == 0
+    assert "its loop keeps its margins around the new model, with" in capsys.readouterr().out

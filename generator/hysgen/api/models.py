@@ -22,7 +22,7 @@ from hysgen.feedback.certificate import LoopDesign
 from hysgen.feedback.stage import LATENCY, Uncertainty
 from hysgen.fitting import FitSettings, PathSize
 from hysgen.fitting import fit as fit_model
-from hysgen.fitting.refit import Comparison
+from hysgen.fitting.refit import Comparison, loop_line
 from hysgen.fitting.refit import compare as compare_models
 from hysgen.fitting.refit import refit as refit_model
 from hysgen.model.file import model_of
@@ -111,7 +111,10 @@ def inspect(record: Record | Any) -> Inspection:
 
 def refit(model: Model, record: Record | Any, progress: Progress | None = None) -> tuple[Model, Scores]:
     """The same structure fitted to another record, and its scores there. Raises ModelError, RecordError or FitError."""
-    return refit_model(model_of(model), sound_record(record), progress)
+    old = model_of(model)
+    new, scores = refit_model(old, sound_record(record), progress)
+    warn([loop_line(old, new)] if old.feedback and not new.feedback else [])
+    return new, scores
 
 
 def diff(old: Model, new: Model, records: Sequence[Record | Any] = ()) -> Comparison:

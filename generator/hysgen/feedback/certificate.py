@@ -18,7 +18,7 @@ from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.feedback import design
 from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
-from hysgen.feedback.stage import Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
+from hysgen.feedback.stage import LATENCY, Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
 from hysgen.machine.reproducible import spectral_radius
 from hysgen.model.feedback import Feedback
 from hysgen.model.model import Model
@@ -31,6 +31,9 @@ Complex = NDArray[np.complex128]
 
 SEARCHED = 24
 """Draws for which the filter is searched; the integral is then that which all draws allow."""
+
+LEAST_KEPT = 0.5
+"""Share of the integral of a loop that a model identified again must allow."""
 
 LARGEST_SHARE = 0.1
 """Largest correction as a share of the displacement range."""
@@ -93,8 +96,13 @@ class LoopDesign(Displayed):
 
     def around(self, model: Model) -> Model:
         """The model with this loop as its feedback, whose correction is at most LARGEST_SHARE of the range."""
+        return self._with(model, self.block)
+
+    def _with(self, model: Model, block: Structure | None) -> Model:
         limit_um = LARGEST_SHARE * (model.grid.y_max_um - model.grid.y_min_um)
-        return dataclasses.replace(model, feedback=Feedback(self.integral, limit_um, self.block))
+        stated = {"latency": self.latency, "uncertainty": asdict(self.uncertainty)}
+        loop = Feedback(self.integral, limit_um, block)
+        return dataclasses.replace(model, feedback=loop, history={**model.history, "loop": stated})
 
     def summary(self) -> Summary:
         """Bandwidth first, then margins, and what they hold for."""
@@ -134,10 +142,27 @@ class LoopDesign(Displayed):
         }
 
 
-def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
+def carried(old: Model, new: Model) -> Model:
+    """`new` with the loop of `old`, its integral no larger than what keeps the margins around `new`.
+
+    Without a loop if that is less than LEAST_KEPT of it, or if the certificate does not hold.
+    """
+    stated: Any = old.history.get("loop", {})
+    try:
+        given = Uncertainty(**stated.get("uncertainty", {}))
+        loop = design_loop(new, given, float(stated.get("latency", LATENCY)), old.feedback)
+    except (ModelError, AttributeError, TypeError, ValueError):
+        return new
+    known = old.feedback
+    holds = known and loop.certificate.holds and loop.integral >= LEAST_KEPT * known.integral
+    return loop._with(new, known.filter) if known and holds else new
+
+
+def design_loop(model: Model, given: Uncertainty, latency: float, before: Feedback | None = None) -> LoopDesign:
     """The loop of the largest least bandwidth that keeps its margins for every draw.
 
-    latency: as for LoopDesign. Raises ModelError if there is none.
+    latency: as for LoopDesign. before: a loop whose filter is taken, and whose integral is not exceeded. Raises
+    ModelError if there is none.
     """
     modes, ringing, cloud, f_Hz = modes_of(model), lines(model), draws(model), frequencies(model, given)
     z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
@@ -146,12 +171,13 @@ def design_loop(model: Model, given: Uncertainty, latency: float) -> LoopDesign:
     stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
     wide = [(f, 2.0 * given.frequency) for f, _ in modes]
     starts = (ringing, wide, sorted([*ringing, *wide]))
-    notches = best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts)
-    block = filter_block(notches, model.Ts_s)
+    notches = () if before else best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts)
+    block = before.filter if before else filter_block(notches, model.Ts_s)
     filters = [] if block is None else [block.state_space(model.Ts_s)]
     loops = stages * response(filters, z)
     # In float32, and no larger than the largest one.
     gain = float(np.nextafter(np.float32(_gain(loops, model)), np.float32(0.0)))
+    gain = min(gain, before.integral if before else gain)
     loops *= gain
     # A preview is the delay of the stage in whole samples, which a loop without the inverse has, too.
     without = stages / response(known, z)

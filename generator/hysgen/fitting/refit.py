@@ -2,7 +2,8 @@
 
 Kept: name, number of rules, terms and input blocks with their shapes, input range, fit and learner settings.
 New: the displacement range (within the restricted range of the old model, if it was restricted), every linear
-parameter, scores and certificates. The generated C algorithm is unchanged; only `<name>_params.h` changes.
+parameter, scores, certificates, and the integral of a loop where the margins need it. The generated C algorithm is
+unchanged; only `<name>_params.h` changes.
 """
 
 import dataclasses
@@ -15,6 +16,7 @@ import numpy as np
 from hysgen.certify.certificates import SAMPLES_PER_PERIOD, certify, loop, steady_states
 from hysgen.display import Displayed, Summary, table
 from hysgen.errors import ModelError
+from hysgen.feedback.certificate import carried
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
@@ -55,8 +57,20 @@ def refit(
             again = dataclasses.replace(again, terms=terms, weights=np.insert(again.weights, at, 1.0))
     again = restricted_as(model, again)
     again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
+    if model.feedback is not None:
+        again = carried(model, again)
     scores = score_identification(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores
+
+
+def loop_line(old: Model, new: Model) -> str:
+    """What became of the loop of `old` in the refitted model; "" without one."""
+    if old.feedback is None:
+        return ""
+    if new.feedback is None:
+        return f"{old.name}: its loop does not keep its margins around the new model and is left out: hysgen loop anew"
+    share = 100.0 * new.feedback.integral / old.feedback.integral
+    return f"{old.name}: its loop keeps its margins around the new model, with {share:.3g} % of its integral"
 
 
 def restricted_as(old: Model, new: Model) -> Model:

@@ -16,7 +16,7 @@ from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.causes import causes
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings
-from hysgen.fitting.refit import compare, refit, structure_fits
+from hysgen.fitting.refit import compare, loop_line, refit, structure_fits
 from hysgen.model.file import load_model, save_model
 from hysgen.model.model import Model
 from hysgen.record import Record
@@ -67,6 +67,8 @@ def run_refit(arguments: argparse.Namespace, console: Console) -> int:
         "comparison": comparison.to_json(),
     }
     console.say(f"structure: {why}")
+    if line := loop_line(old, new):
+        (console.say if new.feedback else console.warn)(line)
     good = fits
     if not fits and not arguments.no_diagnosis:
         result["diagnosis"] = explain(old, record, console)
