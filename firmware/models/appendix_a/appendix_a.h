@@ -128,7 +128,8 @@ void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, APPENDIX_A_STATUS_UNREACHABLE is set.
  *
- * Error over these ranges: at most APPENDIX_A_INVERSE_BOUND_V, proved against real arithmetic;
+ * Error over these ranges:
+ * at most APPENDIX_A_INVERSE_BOUND_V, proved against real arithmetic;
  * the largest found against float64 is APPENDIX_A_INVERSE_FOUND_V.
  * 41 float +-, 48 float *, 12 float comparisons, 84 integer, 37 loads, 8 stores.
  * C674x: about 232 cycles (estimate). */

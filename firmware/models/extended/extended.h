@@ -125,7 +125,7 @@ void extended_init(extended_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Error over these ranges, behind the same path: at most EXTENDED_PREDICT_BOUND_UM, proved against real arithmetic;
+ * Error over these ranges, from the same state: at most EXTENDED_PREDICT_BOUND_UM, proved against real arithmetic;
  * the largest found against float64 is EXTENDED_PREDICT_FOUND_UM.
  * 173 float +-, 120 float *, 33 float comparisons, 170 integer, 147 loads, 56 stores, 6 branches.
  * C674x: about 704 cycles (estimate). */
@@ -167,8 +167,10 @@ void extended_limits(extended_t *self, float low_V, float high_V, float step_V);
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EXTENDED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EXTENDED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) was found to be missed by up to EXTENDED_INVERSE_FOUND_UM; where the path is
- * missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
+ * Where the path is missed by more than EXTENDED_W_TOLERANCE, EXTENDED_STATUS_INVERSE_RESIDUAL is set.
+ * Error over these ranges, where it is not, and no limit acts or has led a mode astray:
+ * at most EXTENDED_INVERSE_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is EXTENDED_INVERSE_FOUND_UM.
  * 714 float +-, 547 float *, 171 float comparisons, 619 integer, 519 loads, 58 stores, 17 branches.
  * C674x: about 2371 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);

@@ -210,7 +210,7 @@ def _facts(derived: Derived, errors: Accuracy, *, inverse: bool) -> dict[str, An
         "structs": structs(model),
         "alignment": None,
         "learns": model.learner is not None,
-        "errors": error_texts(model.name, errors),
+        "errors": error_texts(model.name, errors, responds=model.responds),
         "sections": sections,
         "numbers_digest": numbers_digest(sections),
     }

@@ -101,36 +101,34 @@ def range_section(numbers: Coefficients, *, responds: bool) -> Section:
 
 def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section:
     """Differences between float32 and the model in one step, proved and found; responds: whether u and w differ."""
-    constants = [Constant("PREDICT_FOUND_UM", _stated(errors.predict_um))]
-    if responds:
-        constants.append(Constant("PATH_FOUND", _stated(errors.path)))
-    if inverse and responds:
-        constants.append(Constant("INVERSE_FOUND_UM", _stated(errors.predict_of_inverse_um)))
-    elif inverse:
-        constants.append(Constant("INVERSE_FOUND_V", _stated(errors.inverse_V)))
+    stated = {"PREDICT_FOUND_UM": errors.predict_um}
+    if responds and errors.path:
+        stated["PATH_FOUND"] = errors.path
+    if inverse:
+        solved = {"INVERSE_FOUND_UM": errors.predict_of_inverse_um}
+        stated |= solved if responds else {"INVERSE_FOUND_V": errors.inverse_V}
     comment = (
-        f"Error of one step. FOUND: the largest against float64 over {errors.samples} samples of the whole range,\n"
-        "rounded up; larger ones exist."
+        f"Error of one step from any state. FOUND: the largest against float64 over {errors.samples} samples of the\n"
+        "whole range, rounded up; larger ones exist."
     )
     if responds:
-        comment += (
-            " PATH_FOUND: part of the path, of w, along random ramps from rest;\n"
-            "INVERSE_FOUND_UM: of y(k+1) against the reference where no limit acts."
-        )
+        comment += " PATH: part of the path, of w; INVERSE: of y(k+1) against\nthe reference where no limit acts."
     if errors.proved is not None:
-        comment += (
-            "\nBOUND: proved against real arithmetic, for these numbers and every displacement and input of the rules."
-        )
-        constants.append(Constant("PREDICT_BOUND_UM", _stated(errors.proved.predict_um)))
-        if errors.proved.inverse_V is not None:
-            constants.append(Constant("INVERSE_BOUND_V", _stated(errors.proved.inverse_V)))
-    return Section(comment, constants, public=True)
+        comment += "\nBOUND: proved against real arithmetic, for these numbers, every input and every state."
+        bounds = {"PREDICT_UM": errors.proved.predict_um, "INVERSE_V": errors.proved.inverse_V}
+        if responds:
+            bounds |= {"PATH": errors.proved.path, "INVERSE_UM": errors.proved.inverse_um}
+        for name, bound in bounds.items():
+            function, _, unit = name.partition("_")
+            if bound is not None:
+                stated[f"{function}_BOUND{'_' * bool(unit)}{unit}"] = bound
+    return Section(comment, [Constant(name, _stated(error)) for name, error in stated.items()], public=True)
 
 
-def error_texts(name: str, errors: Accuracy) -> dict[str, str]:
+def error_texts(name: str, errors: Accuracy, *, responds: bool) -> dict[str, str]:
     """What the header says of the error of a function over its ranges, by the function's name."""
     texts = {}
-    for function, field in (("PREDICT", "predict_um"), ("INVERSE", "inverse_V")):
+    for function, field in (("PREDICT", "predict_um"), ("INVERSE", "inverse_um" if responds else "inverse_V")):
         start, unit = f"{name.upper()}_{function}", field.rpartition("_")[2].upper()
         sampled = f"the largest found against float64 is {start}_FOUND_{unit}"
         bound = f"at most {start}_BOUND_{unit}, proved against real arithmetic"

@@ -138,7 +138,7 @@ void diagnosed_init(diagnosed_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Error over these ranges, behind the same path: at most DIAGNOSED_PREDICT_BOUND_UM, proved against real arithmetic;
+ * Error over these ranges, from the same state: at most DIAGNOSED_PREDICT_BOUND_UM, proved against real arithmetic;
  * the largest found against float64 is DIAGNOSED_PREDICT_FOUND_UM.
  * 176 float +-, 111 float *, 33 float comparisons, 179 integer, 147 loads, 58 stores, 5 branches.
  * C674x: about 688 cycles (estimate). */
@@ -180,8 +180,10 @@ void diagnosed_limits(diagnosed_t *self, float low_V, float high_V, float step_V
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, DIAGNOSED_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample DIAGNOSED_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) was found to be missed by up to DIAGNOSED_INVERSE_FOUND_UM; where the path is
- * missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
+ * Where the path is missed by more than DIAGNOSED_W_TOLERANCE, DIAGNOSED_STATUS_INVERSE_RESIDUAL is set.
+ * Error over these ranges, where it is not, and no limit acts or has led a mode astray:
+ * at most DIAGNOSED_INVERSE_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is DIAGNOSED_INVERSE_FOUND_UM.
  * 604 float +-, 388 float *, 155 float comparisons, 615 integer, 427 loads, 60 stores, 12 branches.
  * C674x: about 1987 cycles (estimate). */
 float diagnosed_inverse(diagnosed_t *self, float y_um, float y_next_um);

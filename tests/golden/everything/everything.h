@@ -184,7 +184,7 @@ void everything_init(everything_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Error over these ranges, behind the same path: the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM; no bound is proved.
+ * Error over these ranges, from the same state: the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM; no bound is proved.
  * 169 float +-, 109 float *, 27 float comparisons, 216 integer, 147 loads, 53 stores, 5 branches.
  * C674x: about 701 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
@@ -233,8 +233,9 @@ void everything_limits(everything_t *self, float low_V, float high_V, float step
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, EVERYTHING_STATUS_UNREACHABLE is set.
  * The arguments belong to a sample EVERYTHING_PREVIEW later than the result.
  *
- * Where no limit acts, y(k+1) was found to be missed by up to EVERYTHING_INVERSE_FOUND_UM; where the path is
- * missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
+ * Where the path is missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
+ * Error over these ranges, where it is not, and no limit acts or has led a mode astray:
+ * the largest found against float64 is EVERYTHING_INVERSE_FOUND_UM; no bound is proved.
  * 518 float +-, 343 float *, 105 float comparisons, 597 integer, 361 loads, 52 stores, 12 branches.
  * C674x: about 1782 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);

@@ -128,7 +128,8 @@ void smooth_50_limits(smooth_50_t *self, float low_V, float high_V, float step_V
  *
  * self->y_um becomes the y(k+1) that is reached; where it is not the reference, SMOOTH_50_STATUS_UNREACHABLE is set.
  *
- * Error over these ranges: the largest found against float64 is SMOOTH_50_INVERSE_FOUND_V; no bound is proved.
+ * Error over these ranges:
+ * the largest found against float64 is SMOOTH_50_INVERSE_FOUND_V; no bound is proved.
  * 64 float +-, 90 float *, 12 float comparisons, 85 integer, 68 loads, 8 stores.
  * C674x: about 305 cycles (estimate). */
 float smooth_50_inverse(smooth_50_t *self, float y_um, float y_next_um);

@@ -101,6 +101,13 @@ class Tape:
         self.numbers.append(Enclosed(self, len(self.numbers), value, operands, rounding, known))
         return self.numbers[-1]
 
+    def constant(self, exact: float, rounded: np.float32, size: float = 0.0) -> Enclosed:
+        """A number of the model, computed from others of magnitude `size`, and its float32."""
+        apart = LIBRARY * max(abs(exact), size)
+        ends = Interval.over(np.full(1, exact - apart), np.full(1, exact + apart))
+        both = Interval.over(ends.low, ends.high, float(rounded))
+        return self.number(both, known=Interval.over(float(rounded) - ends.low, float(rounded) - ends.high))
+
 
 @dataclass(frozen=True)
 class Enclosed:
@@ -185,29 +192,12 @@ def largest_error(result: Enclosed) -> Floats:
     return np.where(np.isfinite(error), error, np.inf)
 
 
-@dataclass(frozen=True)
-class ProvedErrors:
-    """Proved bounds over the box: of y(k+1) for every y and w in their ranges [um], and of the inverse's u(k) [V]."""
+def worst(model: Model, path: float, *, inverse: bool = False, missed: float | None = None) -> float:
+    """The largest bound over all cells, which are divided until intervals add little to it.
 
-    predict_um: float
-    inverse_V: float | None
-
-
-def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
-    """The bounds of the rules of `model`; None for a windowed layout and where disturbances are added.
-
-    w is the input behind the path (u without one), as the float32 path leaves it. The inverse has a bound where there
-    is no path; its box reaches beyond the range of w, where its limits act.
+    Of y(k+1) of the rules, whose w is off by `path`; inverse: of the w that is found for y(k+1), or, if the path misses
+    that w by up to `missed`, of the y(k+1) that is reached.
     """
-    if coefficients(model).windowed or model.terms:
-        return None
-    predict_um = _worst(model, inverse=False)
-    inverse_V = _worst(model, inverse=True) if inverse and not model.responds else np.inf
-    return ProvedErrors(predict_um, inverse_V if np.isfinite(inverse_V) else None)
-
-
-def _worst(model: Model, *, inverse: bool) -> float:
-    """The largest bound over all cells, which are divided until intervals add little to it."""
     numbers = coefficients(model)
     low, high = float(numbers.w_min), float(numbers.w_max)
     past = BEYOND * (high - low) if inverse else 0.0
@@ -218,7 +208,8 @@ def _worst(model: Model, *, inverse: bool) -> float:
 
     def bound(cells: Floats) -> Floats:
         with np.errstate(all="ignore"):
-            return largest_error(_step(model, Interval(*cells[:2]), Interval(*cells[2:]), inverse=inverse))
+            result, gain = _step(model, Interval(*cells[:2]), Interval(*cells[2:]), path, inverse=inverse)
+            return largest_error(result) if missed is None else gain.value.size * (largest_error(result) + missed)
 
     middles = np.repeat(0.5 * (cells[::2] + cells[1::2]), 2, axis=0)
     enough = ENOUGH * float(bound(middles).max())
@@ -235,29 +226,24 @@ def _worst(model: Model, *, inverse: bool) -> float:
     return max(worst, float(errors.max()))
 
 
-def _step(model: Model, y: Interval, w: Interval, *, inverse: bool) -> Enclosed:
-    """y(k+1) of the reference in every cell of y and w, or the w that its inverse finds for y and y(k+1)."""
+def _step(model: Model, y: Interval, w: Interval, path: float, *, inverse: bool) -> tuple[Enclosed, Enclosed]:
+    """y(k+1) of the reference in every cell of y and w, or the w that its inverse finds for y and y(k+1); df/dw."""
     tape, numbers, grid = Tape(), coefficients(model), model.grid
     reference: Any = instance
 
-    def number(exact: float, rounded: np.float32) -> Enclosed:
-        ends = Interval.over(np.full(1, exact), apart=LIBRARY)
-        both = Interval.over(ends.low, ends.high, float(rounded))
-        return tape.number(both, known=Interval.over(float(rounded) - ends.low, float(rounded) - ends.high))
-
     def vector(exact: Any, rounded: Any) -> Any:
-        return [number(*pair) for pair in zip(exact, rounded, strict=True)]
+        return [tape.constant(*pair) for pair in zip(exact, rounded, strict=True)]
 
     # The model's range ends between two float32 numbers: beyond its end, the displacement counts as the end.
     past = Interval(np.minimum(y.low - grid.y_min_um, 0.0), np.maximum(y.high - grid.y_max_um, 0.0))
-    y_number, w_number = tape.number(y, known=past), tape.number(w)
+    y_number, w_number = tape.number(y, known=past), tape.number(w, rounding=path)
     weights = [exp(-0.5 * (rule - (grid.rules - 1) / 2) ** 2) for rule in range(grid.rules)]
     q1, q2, q3 = (weights * column for column in model.consequents.T)
     slope, offset = vector(q1, numbers.bank.slope), vector(q3, numbers.bank.offset)
     bank = Bank(slope, offset, vector(q2, numbers.bank.gain), numbers.bank.weight)
     exact: Any = {
-        "origin_um": number(0.5 * sum(grid.ends_um), numbers.origin_um),
-        "per_step": number(1.0 / (np.log(2.0) * grid.step_um), numbers.per_step),
+        "origin_um": tape.constant(0.5 * sum(grid.ends_um), numbers.origin_um),
+        "per_step": tape.constant(1.0 / (np.log(2.0) * grid.step_um), numbers.per_step),
         "strength": vector(weights, numbers.strength),
     }
     sums = reference.rule_sums(dataclasses.replace(numbers, **exact), bank, y_number)
@@ -265,4 +251,4 @@ def _step(model: Model, y: Interval, w: Interval, *, inverse: bool) -> Enclosed:
     if inverse:
         wanted = tape.number(result.value)
         result = arithmetic.flushed(reference.wanted_input(sums, y_number, wanted))  # type: ignore[assignment]
-    return result
+    return result, sums.gain * arithmetic.reciprocal(sums.weight)

@@ -79,7 +79,7 @@ class ChainMirror(MirroredStruct):
 
     def __init__(self, blocks: Sequence[InputBlock], u_V: Floats32, Ts_s: float, limits: PathLimits) -> None:
         self._limits = limits
-        self._blocks: list[BlockMirror] = []
+        self.blocks: list[BlockMirror] = []
         self._limiters: list[BlockMirror] = []
         self._delays: list[BlockMirror] = []
         self._responses: list[BlockMirror] = []
@@ -93,7 +93,7 @@ class ChainMirror(MirroredStruct):
             mirror = block.mirror(v, Ts_s)
             if block is stray and isinstance(mirror, ModesMirror):
                 self._strays = mirror
-            self._blocks.append(mirror)
+            self.blocks.append(mirror)
             group = self._responses if block.responds else self._limiters if block.limits else self._delays
             group.append(mirror)
             self._late = mirror if block.interpolates else self._late
@@ -161,17 +161,17 @@ class ChainMirror(MirroredStruct):
 
     def state(self) -> list[Words]:
         """Every 32-bit word of the C struct of the inputs, in its order; empty without blocks."""
-        if not self._blocks:
+        if not self.blocks:
             return []
-        return [self.v_V, *super().state(), *(word for block in self._blocks for word in block.state())]
+        return [self.v_V, *super().state(), *(word for block in self.blocks for word in block.state())]
 
     def restore(self, words: Sequence[Bits]) -> None:
         """Set the state: the bits of every word in the order of `state`, (lanes,) each, for any number of lanes."""
-        if not self._blocks:
+        if not self.blocks:
             return
         self.v_V, first = words[0].view(np.float32), 1 + len(super().state())
         super().restore(words[1:first])
-        for block in self._blocks:
+        for block in self.blocks:
             count = len(block.state())
             block.restore(words[first : first + count])
             first += count

@@ -152,7 +152,7 @@ class DelayMirror(BlockMirror):
         self.ring = np.array(self.ring)
 
     def rest(self) -> Floats32:
-        return self._past(0)
+        return self.past(0)
 
     def _push(self, u_V: Floats32) -> None:
         self.newest = (self.newest + np.uint32(1)) % np.uint32(len(self.ring))
@@ -160,9 +160,10 @@ class DelayMirror(BlockMirror):
 
     def _between(self, samples: int) -> Floats32:
         """The input of `samples` + mu samples ago."""
-        late, later = self._past(samples), self._past(samples + 1)
+        late, later = self.past(samples), self.past(samples + 1)
         return late + self._part * (later - late)
 
-    def _past(self, samples: int) -> Floats32:
+    def past(self, samples: int) -> Floats32:
+        """What was handed over `samples` before the last input, (lanes,)."""
         place = (self.newest - np.uint32(samples)) % np.uint32(len(self.ring))
         return np.asarray(self.ring[place, np.arange(place.size)])

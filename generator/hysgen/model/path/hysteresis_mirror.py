@@ -26,8 +26,9 @@ and a partial sum c + z q of a polynomial, a multiple of the last bit of its sma
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -93,14 +94,7 @@ class Numbers:
         Raises ModelError if h does not change over the input range.
         """
         middle, half = np.float32(0.5 * (range_V.low + range_V.high)), 0.5 * range_V.width
-        plays, degree = series.plays.shape
-        powers = np.zeros((plays, 1 + degree))
-        for row, coefficients in zip(powers, series.plays, strict=True):
-            row[:] = _powers(np.concatenate([[0.0], coefficients]))
-        curve = np.zeros(max(series.curve.size, 1 + degree))
-        curve[: series.curve.size] = _powers(series.curve)
-        curve[0] += total(powers[:, 0])
-        powers[:, 0] = 0.0
+        curve, powers = power_coefficients(series)
         rows = np.stack([_taken_along(curve, powers, side * series.half_width) for side in (1.0, -1.0)])
         rows[1] *= np.where(np.arange(curve.size) % 2 == 1, 1.0, -1.0)
         duhem = np.column_stack([_coefficients(series.duhem), (1.0 / series.reach).astype(np.float32)])
@@ -118,6 +112,19 @@ class Numbers:
             _newton_slopes(slopes, mean_slope),
             _relaxations(series),
         )
+
+
+def power_coefficients(series: HysteresisSeries) -> tuple[Floats, Floats]:
+    """Coefficients of the powers of x in g0, and (m, 1 + D) of z_j in g_j, whose constants are in g0."""
+    plays, degree = series.plays.shape
+    powers = np.zeros((plays, 1 + degree))
+    for row, coefficients in zip(powers, series.plays, strict=True):
+        row[:] = _powers(np.concatenate([[0.0], coefficients]))
+    curve = np.zeros(max(series.curve.size, 1 + degree))
+    curve[: series.curve.size] = _powers(series.curve)
+    curve[0] += total(powers[:, 0])
+    powers[:, 0] = 0.0
+    return curve, powers
 
 
 def _relaxations(series: HysteresisSeries) -> Floats32:
@@ -189,7 +196,7 @@ class HysteresisMirror(BlockMirror):
 
     def apply(self, u_V: Floats32) -> Floats32:
         x = self._normalised(u_V)
-        h = _series(x, self._numbers.curve[0, 0])
+        h = series_value(x, self._numbers.curve[0, 0])
         if self.play:
             # All plays in one call, (plays, lanes): each operation rounds as for one play.
             rows = self._numbers.play.T[:, :, None]
@@ -214,7 +221,7 @@ class HysteresisMirror(BlockMirror):
     def _sum_plays(self) -> None:
         """sum_um[j] = sum_um[j + 1] + g_j(z_j),    g(z) = z (c_1 + z (c_2 + z (c_3 + ...)))"""
         z = np.array(self.play)
-        parts_um = z * _horner(z, self._numbers.play.T[1:, :, None])
+        parts_um = z * horner(z, self._numbers.play.T[1:, :, None])
         total_um = np.zeros_like(self.sum_um[0])
         for j in reversed(range(len(self.play))):
             total_um = self.sum_um[j] = total_um + parts_um[j]
@@ -312,17 +319,15 @@ class RelaxingMirror(HysteresisMirror):
         return h
 
 
-def _series(x: Floats32, coefficients: Floats32) -> Floats32:
+def series_value(x: Floats32, coefficients: Floats32 | Sequence[Any]) -> Floats32:
     """sum_m c_m x^m as even(x^2) + x odd(x^2), both by Horner's scheme."""
     square = x * x
-    return _horner(square, coefficients[0::2]) + x * _horner(square, coefficients[1::2])
+    return horner(square, coefficients[0::2]) + x * horner(square, coefficients[1::2])
 
 
-def _horner(x: Floats32, coefficients: Floats32) -> Floats32:
+def horner(x: Floats32, coefficients: Floats32 | Sequence[Any]) -> Floats32:
     """c_0 + x (c_1 + x (c_2 + ...)); coefficients: (C + 1,), or (C + 1, m, 1) for x, (m, lanes)."""
-    value = np.full_like(x, coefficients[-1])
-    for coefficient in coefficients[-2::-1]:
-        value = coefficient + x * value
+    value: Floats32 = functools.reduce(lambda value, coefficient: coefficient + x * value, coefficients[::-1])
     return value
 
 
