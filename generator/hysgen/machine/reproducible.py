@@ -30,7 +30,11 @@ _LEAST_EXPONENT: Final = -746.0
 
 def total(x: Floats, axis: int = -1) -> Floats:
     """The sum over an axis, added from its first number to its last."""
-    return functools.reduce(np.add, np.moveaxis(x, axis, 0), np.zeros(np.delete(x.shape, axis)))
+    rows = x if axis == 0 else np.moveaxis(x, axis, 0)
+    added = np.zeros(rows.shape[1:])
+    for row in rows:
+        added += row
+    return added
 
 
 def product(matrix: Floats, vector: Floats) -> Floats:

@@ -67,35 +67,39 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Projector:
-    """Least squares on fixed columns: weights of a signal, and its component orthogonal to the columns."""
+    """Least squares on fixed columns: weights of a signal, and its component orthogonal to the columns.
+
+    factor: U of U^T U, the Gram matrix of the columns with its ridge.
+    """
 
     columns: Floats
-    scale: Floats
-    factor: tuple[NDArray[np.float64], bool]
+    factor: Floats
 
     @classmethod
     def of(cls, columns: Floats, curve: slice = slice(0)) -> Projector:
         """Off columns, (p, n). curve: places of those of the sensor's curve (CURVE_RIDGE)."""
-        scale = np.sqrt(np.einsum("ij,ij->i", columns, columns)) + 1e-300
-        scaled = columns / scale[:, None]
-        gram = scaled @ scaled.T
+        gram = columns @ columns.T
+        scale = np.sqrt(np.diag(gram)) + 1e-150
+        gram /= np.outer(scale, scale)
         gram[np.diag_indices_from(gram)] += RIDGE
         at = np.arange(len(columns))[curve]
         gram[at, at] += CURVE_RIDGE / np.maximum(scale[at] ** 2 / columns.shape[1], 1e-12)
-        return cls(scaled, scale, cho_factor(gram))
+        return cls(columns, cho_factor(gram)[0] * scale)
 
     def weights(self, signal: Floats) -> Floats:
         """(p,) weights of the columns for `signal`, (n,)."""
-        return np.asarray(cho_solve(self.factor, self.columns @ signal) / self.scale)
+        return self._of_columns(self.columns @ signal)
 
     def basis(self) -> Floats:
         """(p, n) orthonormal combinations of the columns."""
-        factor, lower = self.factor
-        return np.asarray(solve_triangular(factor, self.columns, trans="N" if lower else "T", lower=lower))
+        return np.asarray(solve_triangular(self.factor, self.columns, trans="T"))
 
     def orthogonal_part(self, signal: Floats) -> Floats:
         """Component of `signal`, (n,) or (c, n), orthogonal to the columns."""
-        return np.asarray(signal - cho_solve(self.factor, self.columns @ signal.T).T @ self.columns)
+        return np.asarray(signal - self._of_columns(self.columns @ signal.T).T @ self.columns)
+
+    def _of_columns(self, products: Floats) -> Floats:
+        return np.asarray(cho_solve((self.factor, False), products))
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,7 +44,11 @@ def kernel(file: str) -> Library:
     return build([(file, text), *headers], declarations, Toolchain(default_toolchain().command, OPTIMISATION))
 
 
-POINTERS = {np.dtype(np.float64): "double *", np.dtype(np.int64): "int64_t *", np.dtype(np.uintp): "size_t *"}
+_FFI = FFI()
+POINTERS = {
+    np.dtype(number): _FFI.typeof(pointer)
+    for number, pointer in ((np.float64, "double *"), (np.int64, "int64_t *"), (np.uintp, "size_t *"))
+}
 """Pointers that a kernel takes, by the type of the array."""
 
 
@@ -55,11 +59,11 @@ def call(file: str, function: str, *arguments: Any) -> Any:
     """
     library = kernel(file)
     return getattr(library.lib, function)(
-        *(_pointer(library, value) if isinstance(value, np.ndarray) else value for value in arguments)
+        *(_pointer(value) if isinstance(value, np.ndarray) else value for value in arguments)
     )
 
 
-def _pointer(library: Library, array: NDArray[Any]) -> Any:
+def _pointer(array: NDArray[Any]) -> Any:
     if array.dtype not in POINTERS or not array.flags.c_contiguous:
         raise ValueError("a kernel takes C-contiguous arrays of float64, int64 or size_t")
-    return library.ffi.from_buffer(POINTERS[array.dtype], array)
+    return _FFI.from_buffer(POINTERS[array.dtype], array)
