@@ -23,6 +23,7 @@ from fixtures.linear_stage import (
     T_S,
     TS_S,
     named,
+    respond,
     scene,
 )
 from hysgen.diagnosis.causes import Residual, causes
@@ -34,7 +35,6 @@ from hysgen.diagnosis.causes.unknown import SuddenPart, UnknownCause
 from hysgen.diagnosis.identifiability import Ability, abilities
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine, rms, whitened_fit
-from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, present, resting_noise
 from hysgen.diagnosis.search import search

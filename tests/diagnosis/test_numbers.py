@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fixtures.bank_records import QUICK, record_of
-from fixtures.linear_stage import LAG, LINEAR
+from fixtures.linear_stage import LAG, LINEAR, respond
 from hysgen.cli import main
 from hysgen.diagnosis import Diagnosis, diagnose, search
 from hysgen.diagnosis.causes import Estimate, Residual, causes
@@ -22,7 +22,6 @@ from hysgen.diagnosis.error_map import profile, spectrum, turning_points
 from hysgen.diagnosis.evaluation import Study, evaluate
 from hysgen.diagnosis.ladder import gain
 from hysgen.diagnosis.probe import Fit, Scene, Trace, linear_fit
-from hysgen.diagnosis.probe.chain import respond
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.residual import residual_noise
 from hysgen.record import Record

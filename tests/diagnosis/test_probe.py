@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import StateSpace, lfilter, lsim
 
+from fixtures.linear_stage import respond
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
@@ -26,7 +27,6 @@ from hysgen.diagnosis.probe import (
     refine,
     standard_errors,
 )
-from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.probe.solve import BLOCKS, block_left_out_error
 from hysgen.machine.kernels.operators import Branch, LinearPart, linear_response, linear_response_rows
 from hysgen.model.disturbances.coupling import Coupling

@@ -20,6 +20,7 @@ from fixtures.linear_stage import (
     T_S,
     TS_S,
     named,
+    respond,
     scene,
 )
 from hysgen.diagnosis import search
@@ -29,7 +30,6 @@ from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
-from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.score import admissible
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation, Slew

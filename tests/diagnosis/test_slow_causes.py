@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fixtures.bank_records import built, measured, prepared_of, record_of
+from fixtures.linear_stage import respond
 from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart, GainChange
 from hysgen.diagnosis.causes.creep import CreepPart
@@ -13,7 +14,6 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import blockwise_confidence, combined_confidence, fit_ladder, gain
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Operator, Scene, Trace, linear_fit, refine
-from hysgen.diagnosis.probe.chain import respond
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.search import search
 from hysgen.errors import RecordError

@@ -201,26 +201,17 @@ def _at(signal: Floats, ahead: float) -> Floats:
     return (1.0 - share) * signal[:, at.clip(0, n - 1)] + share * signal[:, (at + 1).clip(0, n - 1)]
 
 
-def respond(h: Floats, chain: Chain, Ts_s: float) -> Floats:
-    """Response of slow states, modes, lag and delay to h, (n,) or (m, n) along the last axis; h(k) = h(0) for k < 0.
-
-    y(k) depends on h(k-1), h(k-2), ...: every record has one sample of delay.
-    """
-    out = np.empty(np.atleast_2d(h).shape)
-    respond_into(out, 0, np.atleast_2d(h), chain, Ts_s)
-    return out.reshape(h.shape)
-
-
 def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float, whole_run: float = 0.0) -> None:
-    """`respond` of h, (m, n), written to out[:, first : first + n].
+    """Response of slow states, modes, lag and delay to h, (m, n), written to out[:, first : first + n].
 
+    y(k) depends on h(k-1), h(k-2), ..., and h(k) = h(0) for k < 0: every record has one sample of delay.
     whole_run: samples of the segment of h, on which the slowest of the slow states depends; 0 for n.
     """
     linear_response(h, _linear_part(chain, Ts_s, whole_run or float(h.shape[-1])), out, first)
 
 
 def respond_on_rows(h: Floats, chain: Chain, Ts_s: float, rows: NDArray[np.intp]) -> Floats:
-    """(m, r) the samples `rows`, (r,) rising, of `respond` of h, (m, n); in Fortran order."""
+    """(m, r) the samples `rows`, (r,) rising, of `respond_into` of h, (m, n); in Fortran order."""
     return linear_response_rows(h, _linear_part(chain, Ts_s, float(h.shape[-1])), rows)
 
 

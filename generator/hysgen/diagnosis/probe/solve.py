@@ -88,7 +88,7 @@ class Projector:
 
     def weights(self, signal: Floats) -> Floats:
         """(p,) weights of the columns for `signal`, (n,)."""
-        return self._of_columns(self.columns @ signal)
+        return np.asarray(cho_solve((self.factor, False), self.columns @ signal))
 
     def basis(self) -> Floats:
         """(p, n) orthonormal combinations of the columns."""
@@ -96,10 +96,7 @@ class Projector:
 
     def orthogonal_part(self, signal: Floats) -> Floats:
         """Component of `signal`, (n,) or (c, n), orthogonal to the columns."""
-        return np.asarray(signal - self._of_columns(self.columns @ signal.T).T @ self.columns)
-
-    def _of_columns(self, products: Floats) -> Floats:
-        return np.asarray(cho_solve((self.factor, False), products))
+        return np.asarray(signal - cho_solve((self.factor, False), self.columns @ signal.T).T @ self.columns)
 
 
 @dataclass(frozen=True, eq=False)
