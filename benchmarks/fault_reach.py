@@ -55,6 +55,31 @@ class Edit:
         return text[:place] + self.new + text[place + len(self.old) :]
 
 
+def compiles(edit: Edit, text: str) -> bool:
+    """Whether the changed file compiles, as far as that can be told alone; a template is told by its tests."""
+    changed = edit.applied(text)
+    if edit.file.endswith(".py"):
+        try:
+            compile(changed, edit.file, "exec", dont_inherit=True)
+        except SyntaxError:
+            return False
+        return True
+    if edit.file.endswith(".j2"):
+        return True
+    folders = [
+        ROOT / "firmware/controller",
+        ROOT / "firmware/board/host",
+        *(ROOT / "firmware/models").glob("appendix_a*/**"),
+    ]
+    search = [f"-I{folder}" for folder in (Path(ROOT, edit.file).parent, *folders)]
+
+    def errors(source: str) -> bool:
+        call = ["gcc", "-fsyntax-only", "-w", "-std=gnu99", *search, "-x", "c", "-"]
+        return subprocess.run(call, input=source, text=True, capture_output=True, check=False).returncode != 0
+
+    return errors(text) or not errors(changed)
+
+
 @dataclass(frozen=True)
 class Place:
     """A copy of the tree, an environment that imports the package from there, and folders of its own for caches."""

@@ -63,7 +63,7 @@ from pathlib import Path
 from random import Random
 from typing import Final
 
-from fault_reach import PACKAGES, ROOT, Edit, Place, Reach, committed, in_threads, measure
+from fault_reach import PACKAGES, ROOT, Edit, Place, Reach, committed, compiles, in_threads, measure
 from fault_sites import Site, c_sites, python_sites
 from scipy.stats import beta
 
@@ -128,31 +128,6 @@ def drawn(room: str, files: Sequence[str], seed: str) -> Iterator[Fault]:
         edit = Edit(name, line, text[first:last], text[first:begin] + new + text[end:last])
         if compiles(edit, text):
             yield Fault(room, kind, (edit,))
-
-
-def compiles(edit: Edit, text: str) -> bool:
-    """Whether the changed file compiles, as far as that can be told alone; a template is told by its tests."""
-    changed = edit.applied(text)
-    if edit.file.endswith(".py"):
-        try:
-            compile(changed, edit.file, "exec", dont_inherit=True)
-        except SyntaxError:
-            return False
-        return True
-    if edit.file.endswith(".j2"):
-        return True
-    folders = [
-        ROOT / "firmware/controller",
-        ROOT / "firmware/board/host",
-        *(ROOT / "firmware/models").glob("appendix_a*/**"),
-    ]
-    search = [f"-I{folder}" for folder in (Path(ROOT, edit.file).parent, *folders)]
-
-    def errors(source: str) -> bool:
-        call = ["gcc", "-fsyntax-only", "-w", "-std=gnu99", *search, "-x", "c", "-"]
-        return subprocess.run(call, input=source, text=True, capture_output=True, check=False).returncode != 0
-
-    return errors(text) or not errors(changed)
 
 
 def interrupted(code: int | None, output: str) -> bool:

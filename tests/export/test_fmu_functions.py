@@ -1,6 +1,7 @@
 """The functions of both FMUs, called without an importer: values, bits, phases, and every refusal with its words."""
 
 import functools
+import re
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,8 @@ from hysgen.codegen import Options
 from hysgen.export import export_texts
 from hysgen.export.base import MODES, component_facts
 from hysgen.export.check import Reference, inputs
-from hysgen.export.fmu import Variable, variables
-from hysgen.machine.native import Library, build
+from hysgen.export.fmu import HEADERS, Variable, variables
+from hysgen.machine.native import Library, build, externals
 from hysgen.model.structs import Status
 
 OK, DISCARD, ERROR = 0, 2, 3
@@ -51,53 +52,6 @@ SHIM_3 = SHIM.format(
     "void *fmu_callbacks(void) { return (void *)told; }\n"
 )
 SHARED = f"void *fmu_callbacks(void);\nextern char fmu_said[300];\nuint32_t {NAME}_fmu_samples(double);\n"
-STATES = """
-int fmi#Terminate(void *); int fmi#Reset(void *); void fmi#FreeInstance(void *); int fmi#ExitInitializationMode(void *);
-int fmi#Get@(void *, void **); int fmi#Set@(void *, void *); int fmi#Free@(void *, void **);
-int fmi#Serialized@Size(void *, void *, size_t *); int fmi#Serialize@(void *, void *, uint8_t *, size_t);
-int fmi#De$erialize@(void *, const uint8_t *, size_t, void **);
-"""
-DECLARED_2 = """
-void *fmi2Instantiate(const char *, int, const char *, const char *, const void *, int, int);
-int fmi2SetupExperiment(void *, int, double, double, int, double); int fmi2EnterInitializationMode(void *);
-int fmi2GetReal(void *, const uint32_t *, size_t, double *);
-int fmi2SetReal(void *, const uint32_t *, size_t, double *);
-int fmi2GetInteger(void *, const uint32_t *, size_t, int *);
-int fmi2SetInteger(void *, const uint32_t *, size_t, int *);
-int fmi2GetBoolean(void *, const uint32_t *, size_t, int *);
-int fmi2SetBoolean(void *, const uint32_t *, size_t, int *);
-int fmi2GetString(void *, const uint32_t *, size_t, void *);
-int fmi2SetString(void *, const uint32_t *, size_t, void *);
-int fmi2DoStep(void *, double, double, int); int fmi2CancelStep(void *);
-int fmi2GetStatus(void *, int, int *); int fmi2GetIntegerStatus(void *, int, int *);
-int fmi2GetStringStatus(void *, int, void *); int fmi2GetRealStatus(void *, int, double *);
-int fmi2GetBooleanStatus(void *, int, int *); const char *fmi2GetVersion(void); const char *fmi2GetTypesPlatform(void);
-int fmi2GetDirectionalDerivative(void *, void *, size_t, void *, size_t, void *, void *);
-int fmi2SetRealInputDerivatives(void *, void *, size_t, void *, void *);
-int fmi2GetRealOutputDerivatives(void *, void *, size_t, void *, void *);
-int fmi2SetDebugLogging(void *, int, size_t, void *);
-"""
-DECLARED_3 = """
-void *fmi3InstantiateCoSimulation(const char *, const char *, const char *, bool, bool, bool, bool, void *, size_t,
-    void *, void *, void *);
-int fmi3EnterInitializationMode(void *, bool, double, double, bool, double); int fmi3EnterEventMode(void *);
-int fmi3EnterStepMode(void *); int fmi3UpdateDiscreteStates(void *, bool *, bool *, bool *, bool *, bool *, double *);
-int fmi3GetFloat32(void *, const uint32_t *, size_t, float *, size_t);
-int fmi3SetFloat32(void *, const uint32_t *, size_t, float *, size_t);
-int fmi3GetUInt32(void *, const uint32_t *, size_t, uint32_t *, size_t);
-int fmi3SetUInt32(void *, const uint32_t *, size_t, uint32_t *, size_t);
-int fmi3GetBoolean(void *, const uint32_t *, size_t, bool *, size_t);
-int fmi3SetBoolean(void *, const uint32_t *, size_t, bool *, size_t);
-int fmi3DoStep(void *, double, double, bool, bool *, bool *, bool *, double *); const char *fmi3GetVersion(void);
-int fmi3SetDebugLogging(void *, bool, size_t, void *); int fmi3SetTime(void *, double);
-int fmi3GetFloat64(void *, const uint32_t *, size_t, double *, size_t); int fmi3EnterConfigurationMode(void *);
-void *fmi3InstantiateModelExchange(const char *, const char *, const char *, bool, bool, void *, void *);
-int fmi3SetFloat64(void *, const uint32_t *, size_t, double *, size_t);
-int fmi3GetString(void *, const uint32_t *, size_t, void *, size_t);
-int fmi3SetString(void *, const uint32_t *, size_t, void *, size_t);
-int fmi3GetBinary(void *, const uint32_t *, size_t, void *, void *, size_t);
-int fmi3GetClock(void *, const uint32_t *, size_t, void *); int fmi3SetClock(void *, const uint32_t *, size_t, void *);
-"""
 
 
 @functools.cache
@@ -109,10 +63,15 @@ def texts() -> dict[str, str]:
 def compiled(standard: int) -> Library:
     folder = f"sources{standard}/"
     sources = {path.removeprefix(folder): text for path, text in texts().items() if path.startswith(folder)}
-    states = STATES.replace("#", str(standard)).replace("@", "FMUstate" if standard == 2 else "FMUState")
-    states = states.replace("$", "S" if standard == 2 else "s")
-    declared = SHARED + states + (DECLARED_2 if standard == 2 else DECLARED_3)
-    return build([*sources.items(), ("shim.c", SHIM_2 if standard == 2 else SHIM_3)], declared)
+    types, functions = (sources[name] for name in HEADERS[standard][:0:-1])
+    # What cffi reads of the standard's headers: no comments and directives; functions that they declare as types.
+    text = re.sub(r"/\*.*?\*/|^\s*#ifdef __cplusplus.*?#endif", "", types + functions, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"^\s*#(?:.*\\\n)*.*$", "", text, flags=re.MULTILINE)
+    text = re.sub(r"typedef\s+([^;{}()]*\w)TYPE\s*\(", r"\1(", text)
+    offered = [name for name in externals(SHARED + text) if name in sources[f"{NAME}_fmi{standard}.c"]]
+    shim = ("shim.c", SHIM_2 if standard == 2 else SHIM_3)
+    own = ["fmu_callbacks", "fmu_said", f"{NAME}_fmu_samples"]
+    return build([*sources.items(), shim], SHARED + text, called=[*own, *offered])
 
 
 @functools.cache
@@ -391,8 +350,8 @@ def test_fmi_2_says_the_last_time_and_refuses_what_it_does_not_offer() -> None:
     assert (fmu.call("GetRealStatus", 2, time), time[0]) == (OK, 8.0 + 4 * TS_S)
     assert (fmu.call("GetBooleanStatus", 3, flag), flag[0]) == (OK, 0)
     for kind in (0, 1, 2, 3):
-        codes = [fmu.call(f"Get{name}Status", kind, flag) for name in ("", "Integer")]
-        assert [*codes, fmu.call("GetStringStatus", kind, fmu.ffi.NULL)] == [DISCARD] * 3
+        places = {"": fmu.ffi.new("fmi2Status *"), "Integer": flag, "String": fmu.ffi.NULL}
+        assert [fmu.call(f"Get{name}Status", kind, place) for name, place in places.items()] == [DISCARD] * 3
     assert [fmu.call("GetRealStatus", kind, time) for kind in (0, 1, 3)] == [DISCARD] * 3
     assert [fmu.call("GetBooleanStatus", kind, flag) for kind in (0, 1, 2)] == [DISCARD] * 3
     null = fmu.ffi.NULL
