@@ -1,7 +1,6 @@
 """Certificates: no point of the range violates them, and they are tight."""
 
 import dataclasses
-import itertools
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from fixtures.generated_models import path, relaxing
 from fixtures.random_models import TS_S, random_drive, random_model
 from hysgen.certify.certificates import certify
 from hysgen.certify.enclosure import gain, gain_extrema, slope, slope_extremum
-from hysgen.certify.path_inverse import POINTS, bounded_slopes, path_inverse, sampled_slopes, slopes_along
+from hysgen.certify.path_inverse import bounded_slopes, path_inverse, sampled_slopes
 from hysgen.codegen import generate
 from hysgen.errors import CertificateError
 from hysgen.model.disturbances import Drive
@@ -155,22 +154,6 @@ def test_a_gain_that_changes_sign_or_fades_is_not_certified() -> None:
 
 
 HYSTERESIS = next(block for block in path().blocks if isinstance(block, Hysteresis))
-
-
-def test_slopes_along_a_path_are_the_differences_of_the_hysteresis() -> None:
-    turns = np.array([-1.0, 1.0, -0.4, 0.3, -0.05, 0.02])
-    slopes = slopes_along(HYSTERESIS, turns).reshape(len(turns) - 1, 2, POINTS)
-    fine = 200
-    for stroke, (a, b) in enumerate(itertools.pairwise(turns)):
-        before = [np.linspace(c, d, 4001) for c, d in itertools.pairwise(turns[: stroke + 1])]
-        x = np.concatenate([*before, np.linspace(a, b, (POINTS - 1) * fine + 1)])
-        h = HYSTERESIS.apply(70.0 * x + 50.0, TS_S)[-(POINTS - 1) * fine - 1 :]
-        x = x[-(POINTS - 1) * fine - 1 :]
-        difference = (h[fine:-1:fine] - h[fine - 1 : -2 : fine]) / (x[fine:-1:fine] - x[fine - 1 : -2 : fine])
-        along = slopes[stroke, 0 if b > a else 1, 1:-1]
-        # A play that is taken along from the point on changes the slope there: all points but a few agree.
-        agree = np.isclose(difference, along, rtol=1e-2)
-        assert np.count_nonzero(~agree) <= HYSTERESIS.plays
 
 
 def test_a_hysteresis_that_falls_back_after_a_turn_has_no_certified_inverse() -> None:

@@ -17,7 +17,6 @@ from hysgen.certify.certificates import (
     certify,
     dynamics,
     loop,
-    steady_states,
 )
 from hysgen.certify.enclosure import Extremum
 from hysgen.certify.path_inverse import HysteresisSlopes, PathInverse
@@ -29,12 +28,10 @@ from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.disturbances import Drive
-from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.file import dump_model, load_model, parse_model, save_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.hysteresis import Hysteresis
-from hysgen.model.regression import rule_regressors
 from hysgen.model.simulate import simulate
 from hysgen.model.structs import Status
 
@@ -47,23 +44,6 @@ SOUND = Certificates(
 
 def changed(**parts: object) -> Certificates:
     return dataclasses.replace(SOUND, **parts)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "holds"),
-    [
-        (0.0101, 1.0, True),
-        (0.0099, 1.0, False),
-        (-1.0, -0.0101, True),
-        (-1.0, -0.0099, False),
-        (-0.1, 1.0, False),
-        (-1.0, 0.1, False),
-    ],
-)
-def test_a_gain_holds_above_a_hundredth_of_its_largest(low: float, high: float, holds: bool) -> None:
-    found = changed(gain_lowest=Extremum(0.0, low, 0.0), gain_highest=Extremum(0.0, high, 0.0))
-    assert found.gain_holds is holds
-    assert found.inverse_holds is holds
 
 
 def test_lines_of_certificates_say_the_verdict_with_its_numbers() -> None:
@@ -95,25 +75,6 @@ def test_lines_of_certificates_say_the_verdict_with_its_numbers() -> None:
         assert (path.holds, changed(path=path).inverse_holds) == (holds, holds)
     assert "(sampled, not proved): NOT certified, a voltage may not exist" in changed(path=path).lines()[2]
     assert changed(path=PathInverse(None, 0.0, ())).lines()[2] == "inverse: Eq. (11): holds"
-
-
-def test_certificates_are_plain_json() -> None:
-    assert json.loads(json.dumps(SOUND.to_json())) == {
-        "y_range_um": [0.0, 9.0], "w_range": [-1.0, 4.0], "w_unit": "um",
-        "gain": {
-            "holds": True, "unit": "um/um",
-            "lowest": {"value": 0.2, "bound": 0.19, "y_um": 1.5, "w": None},
-            "highest": {"value": 0.8, "bound": 0.81, "y_um": 2.5, "w": None},
-        },
-        "contraction": {
-            "holds": True, "inputs": [-1.0, 4.0], "slope": {"value": 0.97, "bound": 0.98, "y_um": 3.5, "w": 0.75},
-        },
-        "inverse": {
-            "holds": True, "zero": 0.25, "left_out": ["modes"],
-            "hysteresis_slopes": {"least_of_mean": 0.5, "largest_of_mean": 1.5, "mean_um_per_V": 0.08, "proved": True},
-        },
-    }  # fmt: skip
-    assert changed(contracting=None).to_json()["contraction"]["inputs"] is None
 
 
 def test_dynamics_say_their_ranges_and_whether_the_loop_stays_open() -> None:
@@ -175,37 +136,6 @@ def test_play_operators_keep_the_loop_open_at_any_frequency() -> None:
     # The lag of 1 ms adds pi/4 of 2 pi 0.2 Hz 1 ms, 0.1 % of its box, of which the plays fill 3.6 %.
     assert area < found.loops[0].area_umV < 1.04 * area
     assert "has memory" in found.describe()
-
-
-def test_a_linear_lag_has_its_own_time_constant_gain_and_ellipse() -> None:
-    for state in steady_states(LAG, np.array([10.0, 60.0])):
-        assert state.inside
-        assert state.slope == pytest.approx(A, rel=1e-12)
-        assert state.tau_s == pytest.approx(-TS_S / np.log(A), rel=1e-12)
-        assert state.gain_um_per_V == pytest.approx(B / (1 - A), rel=1e-6)
-        assert state.y_um == pytest.approx((B * state.u_V + C) / (1 - A), abs=1e-9)
-    found = loop(LAG, 100.0, 50.0, 40.0)
-    response = B / (np.exp(2j * np.pi * 100.0 * TS_S) - A)
-    # Trapezoids under 500 samples a period fall short of an ellipse by (2 pi/500)^2/6 = 3e-5.
-    assert found.area_umV == pytest.approx(np.pi * 40.0**2 * abs(response.imag), rel=1e-4)
-    assert found.span_um == pytest.approx(2 * 40.0 * abs(response), rel=1e-4)
-
-
-def test_steady_states_are_fixed_points_of_the_rules() -> None:
-    model = load_model("appendix_a")
-    states = [state for state in steady_states(model, np.linspace(35.0, 65.0, 6)) if state.inside]
-    assert len(states) == 6
-    y, u = np.array([state.y_um for state in states]), np.array([state.u_V for state in states])
-    ahead = rule_regressors(y, u, model.grid) @ model.consequents.ravel()
-    # The simulation stops at steps below 1e-13 um; the slope of 0.98 leaves 50 of them.
-    np.testing.assert_allclose(ahead, y, atol=1e-12, rtol=0)
-
-
-def test_a_model_with_channels_is_analysed_with_channels_at_zero() -> None:
-    term = Coupling(("other_V",), (-1.0,), (1.0,), taps=1)
-    model = dataclasses.replace(LAG, terms=(term,), weights=np.array([0.5]))
-    coupled, plain = (steady_states(m, np.array([50.0]))[0] for m in (model, LAG))
-    assert coupled.y_um == pytest.approx(plain.y_um, abs=1e-9)
 
 
 def test_frequencies_that_cannot_be_simulated_are_refused() -> None:

@@ -141,22 +141,6 @@ def test_json_is_readable_with_a_head_unless_the_result_has_its_own(tmp_path: Pa
     Console(json_to=None).write_json({"a": float("nan")})
 
 
-def test_text_for_a_file_is_not_folded_and_for_a_terminal_at_forty_columns_at_least(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.delenv("COLUMNS", raising=False)
-    out, err = io.StringIO(), io.StringIO()
-    words = "word " * 30
-    Console(out=out, err=err).say(words)
-    Console(out=out, err=err).warn(words)
-    assert (out.getvalue(), err.getvalue()) == (words + "\n", f"warning: {words}\n")
-    for columns, most in (("30", 40), ("50", 50)):
-        monkeypatch.setenv("COLUMNS", columns)
-        terminal = Terminal()
-        Console(out=terminal, err=err).say(words)
-        assert most - 5 < max(map(len, terminal.getvalue().split("\n"))) <= most
-
-
 @pytest.mark.parametrize(
     ("program", "known"),
     [("/bin/hysgen", True), ("/p/hysgen/__main__.py", True), ("/p/other/__main__.py", False), ("/bin/pytest", False)],

@@ -156,14 +156,6 @@ def test_a_big_file_that_is_read_shows_progress(
         assert "reading 0 MB" in capsys.readouterr().err
 
 
-def test_quiet_and_verbose_stand_before_or_behind_the_verb(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    columns = ["--columns", "time=t,voltage=a,displacement=b"]
-    assert main(["-q", "fit", "r.csv", *columns, "-o", "a.json", "--method", "batch"]) == 0
-    assert "%" not in capsys.readouterr().err
-    with pytest.raises(SystemExit, match="2"):
-        main(["-q"])
-
-
 def test_two_models_of_one_name_are_told_apart_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     columns = ["--columns", "time=t,voltage=a,displacement=b"]
     assert main(["fit", "r.csv", *columns, "-o", "a.json", "--method", "batch", "-q"]) == 0
@@ -189,13 +181,6 @@ def test_help_and_tables_of_text_fit_the_terminal(
             main(call)
         wide = [line for line in capsys.readouterr().out.splitlines() if len(line) > columns]
         assert [line for line in wide if not line.startswith("  hysgen ")] == []
-
-
-def test_a_table_of_numbers_is_not_folded() -> None:
-    text = table(
-        ["step", "free run um", "of stroke"], [["paper's model", "0.0430", "1.3 %"], ["memory", "0.0082", "0.2 %"]]
-    )
-    assert folded(f"{text}\nnoise floor of the record", 30) == f"{text}\nnoise floor of the record"
 
 
 @given(

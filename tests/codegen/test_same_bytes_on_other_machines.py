@@ -15,16 +15,10 @@ from hypothesis import strategies as st
 from hysgen.codegen import generate
 from hysgen.machine.files import digest
 from hysgen.machine.reproducible import (
-    drawn,
-    expm1,
     exponential,
-    geometric,
-    power,
     rounded_down,
     rounded_up,
-    sine,
     spectral_radius,
-    total,
 )
 from hysgen_lab.firmware.reference_models import firmware_models
 
@@ -82,22 +76,6 @@ def test_exponential_is_within_a_unit_of_the_last_place(x: float) -> None:
     assert abs(Decimal(found) - exact) <= Decimal(math.ulp(found))
 
 
-def test_exponential_at_its_ends() -> None:
-    assert exponential(np.array([0.0, -0.0, -1e4, -1e300])).tolist() == [1.0, 1.0, 0.0, 0.0]
-
-
-@given(st.floats(-3.2, 3.2).filter(lambda x: x == 0.0 or abs(x) > 1e-18))
-def test_functions_of_one_number_are_those_of_the_c_library(x: float) -> None:
-    assert sine(x) == pytest.approx(math.sin(x), rel=1e-15)
-    assert expm1(x) == pytest.approx(math.expm1(x), rel=1e-15)
-
-
-def test_powers_and_geometric_steps() -> None:
-    assert power(0.999, 7) == pytest.approx(0.999**7, rel=1e-15)
-    assert geometric(-8.0, -2.0, 3) == [-8.0, -4.0, -2.0]
-    assert total(np.array([1e16, 1.0, -1e16, 1.0])) == 1.0
-
-
 @given(st.floats(allow_nan=False), st.integers(1, 14))
 def test_rounding_outward_keeps_a_bound(x: float, digits: int) -> None:
     low, high = rounded_down(x, digits), rounded_up(x, digits)
@@ -125,8 +103,3 @@ def test_the_spectral_radius_is_the_largest_modulus_of_the_eigenvalues_put_in(
     apart = np.abs(np.subtract.outer(real, real))[np.triu_indices(len(real), 1)]
     if apart.size == 0 or apart.min() > 1e-3:
         assert 1.0 - 1e-11 < found / max(modulus, *real) < 1.0 + 1.2e-8, "above, by at most a unit of the ninth digit"
-
-
-def test_numbers_are_drawn_between_their_ends_as_numpy_draws_them() -> None:
-    ours, theirs = (np.random.default_rng(3) for _ in range(2))
-    np.testing.assert_allclose(drawn(ours, -2.0, 5.0, 1000), theirs.uniform(-2.0, 5.0, 1000), rtol=0, atol=1e-15)

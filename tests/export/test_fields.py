@@ -15,35 +15,10 @@ from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
 from hysgen.export import a2l, base, check, export_texts, fmu, programs, write_export
-from hysgen.export.base import MODES, component_facts, exact
+from hysgen.export.base import MODES, component_facts
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
 from hysgen.model.structs import Member, Status
-
-
-def test_the_facts_of_a_component_are_the_models_numbers() -> None:
-    plain = load_model("appendix_a")
-    facts = component_facts(plain, Options(inverse=False))
-    low, high = plain.u_min_V, plain.u_max_V
-    assert (facts["name"], facts["NAME"], facts["learns"], facts["inverse"]) == (
-        "appendix_a",
-        "APPENDIX_A",
-        False,
-        False,
-    )
-    assert float(facts["Ts_us"]) == pytest.approx(1e6 * plain.Ts_s)
-    assert (float(facts["Ts_text"]), float(facts["stop_text"])) == (plain.Ts_s, 1000 * plain.Ts_s)
-    numbers = {"u_min": low, "u_max": high, "middle_V": 0.5 * (low + high), "quarter_V": 0.25 * (high - low)}
-    numbers |= {"y_min": plain.grid.y_min_um, "y_max": plain.grid.y_max_um}
-    numbers |= {"rest_um": 0.5 * (plain.grid.y_min_um + plain.grid.y_max_um)}
-    for name, number in numbers.items():
-        assert np.float32(facts[name]) == np.float32(number), name
-    assert [mode.name for mode in facts["modes"]] == ["predict", "simulate"]
-    assert facts["known"] == "(mode == APPENDIX_A_COMPONENT_PREDICT) || (mode == APPENDIX_A_COMPONENT_SIMULATE)"
-    for number in (22.0, 1e-9, 0.1, 3.3e38, -1234567.0):
-        text = exact(np.float32(number))
-        assert np.float32(text) == np.float32(number)
-        assert "." in text or "e" in text, "C reads it as a floating-point number"
 
 
 def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
@@ -170,34 +145,6 @@ def test_a_table_of_one_number_has_limits_that_hold_it_and_differ(value: float, 
 
 
 # The comparison
-
-
-@pytest.mark.parametrize("mode", MODES, ids=[mode.name for mode in MODES])
-def test_the_inputs_of_a_mode_cover_the_range_and_corrupt_every_column(mode: Any) -> None:
-    n, component = 9000, check.Reference.compile(model(), Options())
-    samples = check.inputs(component, mode, n)
-    assert samples.rows.shape == (n, 3 + samples.aux.shape[1])
-    low, high = model().u_min_V, model().u_max_V
-    assert samples.u0_V == np.float32(0.5 * (low + high))
-    columns = [samples.column(place) for place in range(2 + samples.aux.shape[1])]
-    for place, column in enumerate(columns):
-        every = np.arange(97 * (place + 1), n, 97)
-        wrong = np.flatnonzero(
-            ~np.isfinite(column) | (np.abs(column) > 1e20) | (column == 0) | (np.abs(column) < 1e-38)
-        )
-        assert set(every) == set(wrong), place
-        assert {str(x) for x in column[every]} == {str(np.float32(x)) for x in check.CORRUPTED}
-    plain = np.ones(n, bool)
-    for place in range(2):
-        plain[97 * (place + 1) :: 97] = False
-    if mode.name != "inverse":
-        u = columns[1][plain]
-        assert [u.min(), u.max()] == pytest.approx([low + 0.005 * (high - low), high - 0.005 * (high - low)], abs=0.5)
-    else:
-        shifted = columns[0][1:][plain[1:] & plain[:-1]] - columns[1][:-1][plain[1:] & plain[:-1]]
-        assert np.all(shifted == 0.0), "the reference is the next displacement"
-    committed = np.flatnonzero(samples.commit)
-    assert committed.tolist() == ([k * n // 8 for k in range(1, 8)] if mode.name == "learn" else [])
 
 
 @pytest.mark.parametrize(("mode", "scale"), [(MODES[0], 1.0), (MODES[3], 1.002)], ids=["predict", "learn"])

@@ -71,12 +71,6 @@ def test_physics_of_a_linear_lag_are_its_closed_form(a: float, b: float) -> None
         assert found[what] == (unit, pytest.approx(value, rel=2e-3)), what
 
 
-def test_loops_of_a_lag_faster_than_the_sampling_stay_below_its_rate() -> None:
-    slow, fast = loop_frequencies(lag("m", 0.05, 1e-9))
-    assert (slow, fast) == (pytest.approx(0.01 / 0.3 / (20 * TS_S)), pytest.approx(1.0 / (20 * TS_S)))
-    assert loop_frequencies(lag("m", 0.05, -0.1))[0] == pytest.approx(0.01 / (2 * np.pi * 10 * TS_S))
-
-
 @pytest.mark.slow
 def test_a_comparison_has_the_numbers_of_both_models_in_text_and_json() -> None:
     old, new = lag("old"), lag("later", 0.0018, weights=(1e-4, 2e-4, 1.5))

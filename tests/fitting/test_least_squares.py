@@ -11,7 +11,6 @@ from hysgen.errors import FitError
 from hysgen.fitting import FitSettings, PathSize, fit, least_squares
 from hysgen.fitting.identify import partition, structure_for
 from hysgen.fitting.least_squares import Weighting, information, recursive_least_squares
-from hysgen.machine.kernels.run import triangularise
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import Structure, regression_rows
 from hysgen.model.simulate import free_run
@@ -92,22 +91,6 @@ def test_samples_without_trust_do_not_count_whatever_they_hold() -> None:
     np.testing.assert_allclose(batch, expected, atol=1e-7 * scale, rtol=0)
     recursive = recursive_least_squares(spoilt, structure, Weighting(trust=[trust]))
     np.testing.assert_allclose(X[counted] @ recursive, X[counted] @ expected, atol=1e-6, rtol=0)
-
-
-def test_triangularisation_keeps_the_sum_of_squares_and_the_condition() -> None:
-    rng = np.random.default_rng(0)
-    # Columns alike but for 1e-9: normal equations would lose the difference, 1e-18, altogether.
-    base = rng.normal(size=(1000, 1))
-    rows = np.hstack([base, base + 1e-9 * rng.normal(size=(1000, 1)), rng.normal(size=(1000, 3))])
-    factor = np.zeros((5, 5))
-    for part in np.array_split(rows, 3):
-        triangularise(factor, part.copy())
-    expected = np.abs(np.linalg.qr(rows, mode="r"))
-    # Rounding of the first row, 31 * 1e-16, over the 3e-8 that the second column has of its own: 1e-7, a few times.
-    np.testing.assert_allclose(np.abs(factor), expected, rtol=1e-6, atol=2e-6)
-    assert not np.tril(factor, -1).any()
-    triangularise(factor := np.eye(2), np.array([[1e-160, 1.0]]))  # a rule 27 steps away, weighted by its own strength
-    np.testing.assert_allclose(np.abs(factor), [[1.0, 0.0], [0.0, 2.0**0.5]], rtol=1e-15)
 
 
 def test_the_partition_is_the_range_of_the_displacement_over_all_segments() -> None:

@@ -12,7 +12,7 @@ from fixtures.learner_bench import sized
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.comparison import committer_of
 from hysgen.errors import CertificateError
-from hysgen.float32.coefficients import CommitNumbers, coefficients, commit_numbers, membership_derivatives
+from hysgen.float32.coefficients import CommitNumbers, coefficients, commit_numbers
 from hysgen.float32.struct_words import Commit
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -73,52 +73,6 @@ def test_a_slope_up_to_an_eighth_of_the_models_distance_from_one_is_committed() 
     last = factors[answer == Commit.COMMITTED].max()
     # What the check between the points adds, a quarter of the margin at most, and one step of the factors.
     assert limit - 0.25 * (limit - steepest) - 1e-3 < steepest_of(last) < limit
-
-
-@pytest.mark.parametrize("model", [sized(6), sized(24)], ids=lambda model: model.name)
-def test_tables_and_remainders_are_derivatives_of_the_memberships(model: Model) -> None:
-    """Central differences; the bounds of the second and third derivative hold and are loose by 3 % at most."""
-    numbers, grid, rules = numbers_of(model), model.grid, model.grid.rules
-    half = (grid.y_max_um - grid.y_min_um) / numbers.points / 2.0
-    np.testing.assert_allclose(numbers.y_um, grid.y_min_um + half * (1 + 2 * np.arange(numbers.points)), rtol=1e-6)
-    assert numbers.half_um == pytest.approx(1.01 * half)
-    fold = coefficients(model).fold.astype(np.float64)
-    np.testing.assert_allclose(numbers.unfold * fold, 1.0, rtol=1e-6)
-
-    def differences(y: Floats, step: float) -> list[Floats]:
-        a, b, c, d, e = (memberships(y + k * step, grid) for k in (-2, -1, 0, 1, 2))
-        return [c, (d - b) / (2 * step), (d - 2 * c + b) / step**2, (e - 2 * d + 2 * b - a) / (2 * step**3)]
-
-    step = 2e-3 * grid.step_um
-    p = differences(numbers.y_um.astype(np.float64), step)
-    for order in range(3):
-        columns = slice(order * rules, (order + 1) * rules)
-        largest = np.abs(p[order]).max()
-        np.testing.assert_allclose(numbers.table[:, columns] * fold, p[order], rtol=0, atol=1e-4 * largest)
-    # Inside the range the memberships are those of the partition; differences at its ends would leave it.
-    fine = np.linspace(grid.y_min_um + 3 * step, grid.y_max_um - 3 * step, 4001)
-    for mine, theirs in zip(membership_derivatives(fine, grid), differences(fine, step), strict=True):
-        np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-3 * np.abs(mine).max())
-    ends = np.concatenate([fine, [grid.y_min_um, grid.y_max_um]])
-    c2, c3 = (np.abs(derivative).sum(axis=1).max() for derivative in membership_derivatives(ends, grid)[2:])
-    for bound, expected in (
-        (numbers.gain_remainder, 0.5 * half**2 * c2),
-        (numbers.slope_remainder_1, 1.5 * half**2 * c2),
-        (numbers.slope_remainder_3, 0.5 * half**2 * c3),
-    ):
-        assert expected <= bound <= 1.03 * expected
-
-
-def test_points_are_the_fewest_whose_remainder_is_a_quarter_of_the_margin() -> None:
-    for model in (sized(6), sized(24), sized(36)):
-        numbers = numbers_of(model)
-        q1, q2, q3 = model.consequents.T
-        corners = [q1 * y + q2 * w + q3 for y in (0.5, 9.0) for w in (model.w_range.low, model.w_range.high)]
-        rest = numbers.slope_remainder_1 * np.ptp(q1) / 2 + numbers.slope_remainder_3 * max(map(np.ptp, corners)) / 2
-        *_, steepest = range_of_gain_and_steepest(model)
-        share = rest / 1.01 / (7.0 / 8.0 * (1.0 - steepest))
-        assert share < 0.2525
-        assert numbers.points == 32 or 4.0 * share > 0.2475, "half as many points would do"
 
 
 def with_learner(model: Model, **settings: float) -> Model:

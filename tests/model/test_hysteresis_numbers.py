@@ -4,7 +4,6 @@ import dataclasses
 import functools
 import math
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -87,53 +86,6 @@ def test_a_box_that_is_too_small_is_not_proved(path: str, monkeypatch: pytest.Mo
     model, texts = small()
     verdict, _ = prove_call(model, texts, "predict", "finite")
     assert [alarm for alarm in verdict.alarms if path.split("[")[0] in alarm]
-
-
-@by_block
-def test_constants_are_the_exact_ones_rounded(block: Hysteresis) -> None:
-    """Every row of `curve` against exact fractions: g0 and the first n plays taken along, in powers of side x."""
-    exact_curve = powers([Fraction(a) for a in block.curve_um])
-    number = block.numbers
-    size = sum(abs(float(a)) for a in exact_curve) + float(np.abs(number.play[:, 1:]).sum())
-    for direction, side in enumerate((1, -1)):
-        row = exact_curve + [Fraction(0)] * (number.curve.shape[2] - len(exact_curve))
-        row[0] += sum((powers([Fraction(0), *map(Fraction, a)])[0] for a in block.series.plays), Fraction(0))
-        for n in range(block.plays + 1):
-            found = side * float(side) ** np.arange(len(row)) * number.curve[direction, n].astype(np.float64)
-            assert np.abs(found - [float(a) for a in row]).max() < 1.2e-7 * size
-            if n < block.plays:
-                taken = powers([Fraction(0), *map(Fraction, block.series.plays[n])])
-                taken[0] = Fraction(0)
-                row = [
-                    a + b
-                    for a, b in zip(row, shifted(taken, -side * Fraction(block.half_widths[n]), len(row)), strict=True)
-                ]
-
-
-def powers(series: list[Fraction]) -> list[Fraction]:
-    """Coefficients of the powers of x of a Chebyshev series."""
-    before, now = [Fraction(1)], [Fraction(0), Fraction(1)]
-    found = [Fraction(0)] * len(series)
-    for m, a in enumerate(series):
-        if m == 0:
-            term = before
-        elif m == 1:
-            term = now
-        else:
-            term = [2 * c for c in [Fraction(0), *now]]
-            term = [c - (before[k] if k < len(before) else 0) for k, c in enumerate(term)]
-            before, now = now, term
-        found = [c + (a * term[k] if k < len(term) else 0) for k, c in enumerate(found)]
-    return found
-
-
-def shifted(coefficients: list[Fraction], by: Fraction, size: int) -> list[Fraction]:
-    """Coefficients of p(x + by)."""
-    found = [Fraction(0)] * size
-    for m, c in enumerate(coefficients):
-        for k in range(m + 1):
-            found[k] += c * math.comb(m, k) * by ** (m - k)
-    return found
 
 
 def test_json_round_trip_is_exact() -> None:

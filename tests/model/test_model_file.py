@@ -20,7 +20,6 @@ from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.file import dump_model, load_model, parse_model, save_model, shipped_models
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
-from hysgen.model.path.limits import Saturation
 
 TERMS = (Periodic((50.0, 101.7)), Drift(0.1, 0.05))
 
@@ -49,22 +48,6 @@ def test_model_file_keeps_numbers_at_the_edge_of_float64(value: float) -> None:
     parameters[2] = value
     read = parse_model(dump_model(model.with_parameters(parameters)), "m.json")
     assert read.parameters.tobytes() == parameters.tobytes()
-
-
-def test_history_scores_certificates_and_blocks_come_back(tmp_path: Path) -> None:
-    model = dataclasses.replace(
-        random_model(1, terms=TERMS),
-        blocks=(Saturation(1.0, 99.0),),
-        history={"fit": {"rules": 6, "settle": None}},
-        scores={"free_run": {"e_rms_um": 0.1 + 0.2}},
-        certificates=certify(random_model(1)).to_json(),
-    )
-    save_model(model, tmp_path / "m.json")
-    read = load_model(tmp_path / "m.json")
-    assert read.blocks == model.blocks
-    assert read.history == model.history
-    assert read.scores == model.scores
-    assert read.certificates == model.certificates
 
 
 def change(path: str, value: Any) -> Callable[[dict[str, Any]], None]:

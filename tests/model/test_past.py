@@ -8,9 +8,7 @@ import pytest
 from hysgen.diagnosis.prepare import prepare
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.model.model import Model
-from hysgen.model.rivals import fit_rivals
 from hysgen.model.scores import score, unknown_past
-from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes
@@ -48,15 +46,6 @@ def test_a_part_of_a_record_is_scored_as_inside_the_whole_record(record: Record,
     )
     # The rows alone, started at rest, are wrong by many times more: without a past this is what was scored.
     assert score(model, forgotten(rest), settle=0).free_run.e_rms_um > 20.0 * whole
-
-
-def test_the_past_is_simulated_and_not_scored(record: Record, model: Model) -> None:
-    rest = record.rows(CUT, record.samples)
-    whole, part = free_run(model, record)[0], free_run(model, rest)[0]
-    np.testing.assert_array_equal(part.y_um, whole.y_um[CUT:])
-    assert rest.samples == part.y_um.size == score(model, rest).free_run.samples + 1
-    for rival in fit_rivals(record.rows(0, CUT)):
-        np.testing.assert_allclose(rival.free_run(rest)[0], rival.free_run(record)[0][CUT:], atol=1e-9)
 
 
 @pytest.mark.slow

@@ -12,12 +12,10 @@ from hysgen.certify.certificates import certify
 from hysgen.checking.host import Host
 from hysgen.codegen import generate
 from hysgen.errors import ModelError
-from hysgen.model.disturbances import Drive
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.file import dump_model, load_model, parse_model
-from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.path import InputBlock, applied, block_from_json, kinds, preview
+from hysgen.model.path import InputBlock, block_from_json, kinds, preview
 from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
@@ -25,7 +23,6 @@ from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.structure import Structure
-from hysgen.model.simulate import simulate
 
 TS_S = 2e-5
 LAST_BIT = 2.0**-24
@@ -97,15 +94,6 @@ def test_a_limiter_passes_its_own_output_unchanged() -> None:
         assert again.view(np.uint32)[0] == passed.view(np.uint32)[0]
 
 
-def test_slew_walks_at_its_rates_and_catches_up() -> None:
-    u = np.repeat([0.0, 60.0, 10.0], [10, 500, 500])
-    v = Slew(1.2e5, 0.9e5).apply(u, TS_S)
-    assert np.diff(v)[9:30] == pytest.approx(np.full(21, 2.4))
-    assert np.diff(v)[509:530] == pytest.approx(np.full(21, -1.8))
-    assert v[400] == 60.0
-    assert v[-1] == 10.0
-
-
 @pytest.mark.parametrize("samples", [0.0, 0.25, 1.0, 2.5, 17.9])
 @pytest.mark.parametrize("per_period", [100, 500])
 def test_delay_of_a_sine_is_the_delay_and_its_loss_is_bounded(samples: float, per_period: int) -> None:
@@ -117,12 +105,6 @@ def test_delay_of_a_sine_is_the_delay_and_its_loss_is_bounded(samples: float, pe
     # (1 - mu) + mu exp(-iw): its phase is -mu w (1 + O(w^2 / 6)), its modulus 1 - mu (1 - mu) w^2 / 2.
     assert delay == pytest.approx(samples, abs=w * w / 6)
     assert abs(phasor) == pytest.approx(1 - 0.5 * mu * (1 - mu) * w * w, abs=w**4)
-
-
-def test_delay_of_whole_samples_is_exact() -> None:
-    u = commands(1000)
-    assert np.array_equal(Delay(7.0).apply(u, TS_S)[7:], u[:-7])
-    assert np.array_equal(Delay(7.0).apply(u, TS_S)[:7], np.full(7, u[0]))
 
 
 @pytest.mark.parametrize("samples", [0.0, 0.3, 1.0, 3.5, 6.8])
@@ -169,14 +151,6 @@ def extended(*blocks: InputBlock) -> Model:
     )
     assert certify(model).inverse_holds
     return model
-
-
-def test_simulation_passes_the_input_through_the_blocks() -> None:
-    blocks = (Saturation(20.0, 60.0), Slew(1e5, 1e5), Delay(2.6))
-    u = 40 + 30 * np.sin(2 * np.pi * np.arange(4000) / 500)
-    through = simulate(extended(*blocks), Drive(u, TS_S), 2.0)
-    before = simulate(extended(), Drive(applied(blocks, u, TS_S, Interval(-20.0, 120.0)), TS_S), 2.0)
-    assert np.array_equal(through.y_um, before.y_um)
 
 
 @pytest.mark.parametrize("samples", [None, 0.0, 3.0, 4.6])

@@ -43,12 +43,6 @@ def test_errors_are_the_papers_e_rms_and_maximum_e_r() -> None:
     assert found.of_span_percent == pytest.approx(100 * found.e_rms_um / 4.0, rel=1e-15)
 
 
-def test_settling_samples_are_left_out_of_every_score() -> None:
-    record = record_of(([0.0] * 4, [5.0, 9.0, 1.0, 1.0]), ([0.0] * 2, [5.0, 9.0]))
-    found = score_prediction(record, [np.zeros(4), np.zeros(2)], settle=2)
-    assert (found.samples, found.e_rms_um, found.e_r_percent) == (2, 1.0, 12.5)
-
-
 @pytest.mark.parametrize(("settle", "said"), [(4, "leave none of 6 to score"), (-5, "-5 is no number of samples")])
 def test_a_score_of_no_sample_is_refused(settle: int, said: str) -> None:
     record = record_of(([0.0] * 4, [5.0, 9.0, 1.0, 1.0]), ([0.0] * 2, [5.0, 9.0]))

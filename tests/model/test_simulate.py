@@ -92,14 +92,6 @@ def test_the_window_of_nineteen_rules_drops_nothing_that_float64_can_see() -> No
     np.testing.assert_allclose(rows[:, 2::3].sum(axis=1), 1.0, atol=1e-14, rtol=0)
 
 
-def test_the_regression_never_pairs_samples_of_two_segments() -> None:
-    record = lag_record(samples=50, segments=3)
-    rows = list(regression_rows(record, structure_of(random_model(0)), chunk=7))
-    expected = np.concatenate([segment.y_um[1:] for segment in record.segments])
-    np.testing.assert_array_equal(np.concatenate([part.target_um for part in rows]), expected)
-    assert sum(len(part.regressors) for part in rows) == 3 * 49
-
-
 def test_regression_rows_times_parameters_are_the_one_step_predictions() -> None:
     model = random_model(3, terms=DISTURBED)
     record = lag_record(samples=400, segments=2)

@@ -124,18 +124,6 @@ def test_names_units_and_separators_by_option_give_the_same_record(tmp_path: Pat
     np.testing.assert_allclose(record.segments[0].y_um, Y_UM, rtol=5e-16)
 
 
-def test_unit_in_a_name_is_used_and_said(tmp_path: Path) -> None:
-    path = tmp_path / "record.csv"
-    rows = (f"{k * 1e-3:.3f},{u},{round(y * 1000)}" for k, u, y in zip(K, U_V, Y_UM, strict=True))
-    path.write_text("\n".join(["time_s,voltage_V,x_nm", *rows]))
-    record = load_record(path, Columns(displacement="x_nm"))
-    np.testing.assert_array_equal(record.segments[0].y_um, np.round(Y_UM * 1000) / 1000)
-    assert record.warnings == (
-        "record.csv: x_nm is read in nm, as its name says; give displacement_unit if that is wrong",
-    )
-    assert load_record(path, Columns(displacement="x_nm", displacement_unit="nm")).warnings == ()
-
-
 @pytest.mark.parametrize(("rate_Hz", "decimals"), [(750, 11), (44100, 6), (50000, 6), (6400, 8), (200, 3), (3, 6)])
 def test_period_is_the_exact_one_behind_rounded_stamps(rate_Hz: int, decimals: int, tmp_path: Path) -> None:
     path = tmp_path / "record.csv"

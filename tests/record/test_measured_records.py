@@ -6,26 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hysgen.record import Columns, Record, check_for_fit, check_validation, load_record
+from hysgen.record import Columns, Record, load_record
 
 FSM = "voltage=u_{0}mV_train[:,{1},:,:],displacement=y_{0}mV_train[:,{1},:,:]"
-
-
-def test_micromanipulator_records_join_as_two_segments(measured: Path) -> None:
-    record = load_record([measured / "dbo" / "ramps.csv", measured / "dbo" / "full_amplitude.csv"])
-    assert [(one.name, one.samples) for one in record.segments] == [("ramps", 7100), ("full_amplitude", 7827)]
-    assert (record.Ts_s, record.warnings) == (0.005, ())
-    assert record.u_range_V == (0.0, 3.6)
-
-
-def test_micromanipulator_ramps_are_enough_for_six_rules_and_one_amplitude_is_not(measured: Path) -> None:
-    ramps = load_record(measured / "dbo" / "ramps.csv")
-    assert check_for_fit(ramps, 6, 30) == ()
-    assert check_validation(*ramps.split_at(5000)) == ()
-    full = load_record(measured / "dbo" / "full_amplitude.csv")
-    (line,) = check_for_fit(full, 6, 30)
-    assert "all 77 swings of the voltage are alike (3.6 V in 0.5 s)" in line
-    assert "voltage 0..3.6 V leaves the identified 0.236332..3.42367 V" in check_validation(ramps, full)[0]
 
 
 def test_benchmark_in_newton_and_metres_is_read_by_option_with_its_exact_rate(measured: Path) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hysgen.model.residual import residual_noise, residual_noise_floor
 from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor, noise_floor
-from hysgen.record.series import first_covering, period_of, plateaus, resolution_um, turning_rows, white_noise
+from hysgen.record.series import first_covering, plateaus, resolution_um, turning_rows, white_noise
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -96,42 +96,10 @@ def test_a_residual_needs_two_hundred_samples_at_rest(last: int, method: str) ->
     assert residual_noise_floor(record, RNG.normal(size=u_V.size), 1e-9).method == method
 
 
-def test_a_plateau_of_a_residual_needs_sixteen_samples_behind_the_lag() -> None:
-    u_V = np.repeat([0.0, 5.0, 1.0], [300, 43, 44])
-    e_um = RNG.normal(size=u_V.size)
-    found = residual_noise_floor(record_of((u_V, e_um)), e_um, 28e-3 / 12)
-    assert (found.method, found.samples) == ("plateaus", 272 + 16)
-
-
-def test_segments_of_a_residual_follow_one_another() -> None:
-    runs = [(np.full(150, 1.0 + i), RNG.normal(size=150)) for i in range(2)]
-    u_V = np.linspace(0.0, 9.0, 40)
-    record = record_of(runs[0], (u_V, u_V), runs[1])
-    e_um = np.concatenate([runs[0][1], np.full(40, np.nan), runs[1][1]])
-    parts = [about(y[4:], 1) for _, y in runs]
-    found = residual_noise_floor(record, e_um, 1e-6)
-    assert found.samples == 292
-    assert found.rms_um == pytest.approx(math.sqrt(np.mean([p @ p / (p.size - 2) for p in parts])), rel=1e-9)
-
-
 def test_periods_of_the_input_come_before_the_residual() -> None:
     u_V = np.sin(2 * np.pi * np.arange(600) / 100)
     record = record_of((u_V, u_V + 0.1 * RNG.normal(size=600)))
     assert residual_noise_floor(record, np.zeros(600), 1e-3) == noise_floor(record)
-
-
-def test_a_noise_floor_says_its_method() -> None:
-    said = {
-        "periods": ("repeated periods", "from repeated periods of the input"),
-        "plateaus": ("plateaus", "from rests of the input"),
-        "differences": ("differences", "from differences of order 6, if the noise is white"),
-        "innovation": ("innovation", "from second differences of the residual, if the noise is white"),
-    }
-    for method, (source, words) in said.items():
-        floor = NoiseFloor(0.0123456, method, 7)  # type: ignore[arg-type]
-        assert floor.source == source
-        assert floor.describe() == f"0.01235 um rms {words}"
-        assert floor.to_json() == {"rms_um": 0.0123456, "method": method, "samples": 7}
 
 
 def test_white_noise_is_the_scale_of_differences_over_that_of_noise() -> None:
@@ -179,17 +147,6 @@ def test_properties_of_a_series_by_hand() -> None:
     assert resolution_um(np.array([0.0, 1.1e-9, 1.0])) == 1.1e-9
     assert turning_rows(np.array([0.0, 2, 1, 3, 0, 1, 0]), 1.0).tolist() == [3]
     assert turning_rows(np.array([0.0, 2, 1, 3, 0, 1, 0]), 0.9).tolist() == [1, 2, 3, 4, 5]
-
-
-@pytest.mark.parametrize(
-    ("samples", "off", "period"), [(80, 0.0, 40), (79, 0.0, None), (200, 9e-4, 40), (200, 2e-3, None)]
-)
-def test_a_period_repeats_within_a_thousandth_over_two_periods(samples: int, off: float, period: int | None) -> None:
-    wave = np.sin(2 * np.pi * np.arange(samples) / 40)
-    wave = wave + off * np.std(wave) * (np.arange(samples) // 40)
-    assert period_of(7.0 + wave) == period
-    assert period_of(np.full(samples, 7.0)) is None
-    assert period_of(np.linspace(0.0, 1.0, samples)) is None
 
 
 def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:

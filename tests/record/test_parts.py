@@ -29,25 +29,11 @@ def test_split_keeps_every_row_in_order_and_cuts_segments_only_there(row: int) -
     assert set(ends) == {20, 50, 57} | {row}
 
 
-def test_a_cut_segment_has_its_start_time() -> None:
-    part = WHOLE.rows(30, 55)
-    assert [one.samples for one in part.segments] == [20, 5]
-    assert [one.start_s for one in part.segments] == [5.0 + 10 * 1e-3, 0.0]
-    assert part.source == "arrays[30:55]"
-    assert part.rows(5, 10).source == "arrays[35:40]"
-
-
 def test_fraction_splits_at_the_nearest_row() -> None:
     assert WHOLE.split(0.7)[0].samples == 40
     for fraction in (0.0, 1.0, -0.1, float("nan")):
         with pytest.raises(RecordError, match="between 0 and 1"):
             WHOLE.split(fraction)
-
-
-def test_part_may_rest_although_a_record_may_not() -> None:
-    resting = np.concatenate([np.zeros(10), RNG.normal(size=10)])
-    part = Record.from_arrays(resting, RNG.normal(size=20), 1e-3).rows(0, 10)
-    assert part.u_range_V == (0.0, 0.0)
 
 
 def test_digest_changes_with_a_bit_a_cut_a_period_and_a_name_and_with_nothing_else() -> None:

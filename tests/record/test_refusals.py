@@ -148,14 +148,6 @@ def test_a_bad_file_of_arrays_is_refused_with_one_line_naming_file_field_and_cur
     one_line(refusal, bad.file, bad.says)
 
 
-def test_the_sound_record_that_the_bad_ones_are_made_of_is_accepted_in_every_format(tmp_path: Path) -> None:
-    contents = {"a.csv": text(), "a.npz": npz(**sound()), "a.mat": mat(**sound()), "a.h5": hdf5(**sound())}  # type: ignore[arg-type]
-    for name, content in contents.items():
-        (tmp_path / name).write_bytes(content)
-        record = load_record(tmp_path / name)
-        assert (record.samples, record.Ts_s, record.warnings) == (400, 1e-3, ())
-
-
 BAD_OPTIONS: list[tuple[str, Callable[[], object], tuple[str, ...]]] = [
     ("unknown unit", lambda: Columns(voltage_unit="Watt"), ("voltage_unit", "'Watt'", "choose from V, mV")),
     ("unknown key", lambda: Columns.from_text("voltge=u"), ("'voltge=u'", "did you mean 'voltage'", "write key=value")),

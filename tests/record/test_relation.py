@@ -226,17 +226,6 @@ def test_shift_pairs_each_voltage_with_the_row_that_answers_it(tmp_path: Path) -
     np.testing.assert_array_equal(earlier.y_um, y_um[2:])
 
 
-@pytest.mark.parametrize(
-    ("shift", "message"), [("1.5", "no whole number"), ("4000", "leaves no row"), ("-5000", "leaves no row")]
-)
-def test_a_shift_that_is_none_is_refused(tmp_path: Path, shift: str, message: str) -> None:
-    path = tmp_path / "early.csv"
-    rows = zip(STEP_S * np.arange(ROWS), STEPS_V, answer(STEPS_V, 0), strict=True)
-    path.write_text("time_s,voltage_V,displacement_um\n" + "".join(f"{t},{u},{y}\n" for t, u, y in rows))
-    with pytest.raises(RecordError, match=message):
-        load_record(path, f"shift={shift}")
-
-
 @pytest.mark.parametrize("gains", [(3.0, 0.3), (0.0, 1.5)], ids=["PI", "integral"])
 @pytest.mark.parametrize("noise_um", [1e-4, 1e-2])
 def test_a_voltage_that_reacts_to_the_displacement_is_said(gains: tuple[float, float], noise_um: float) -> None:

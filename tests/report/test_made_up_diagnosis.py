@@ -2,13 +2,10 @@
 
 import dataclasses
 import math
-import platform
-import re
 from typing import Any
 
 import numpy as np
 import pytest
-import scipy
 
 from fixtures.made_up_study import (
     BASE,
@@ -51,7 +48,6 @@ from hysgen.report.page import (
     cost_section,
     equivalence_section,
     model_section,
-    provenance_section,
     uncertainty_section,
 )
 from hysgen.report.pages import diagnosis_page, file_names, key_figures, model_page
@@ -246,17 +242,6 @@ def test_uncertainty_section_has_the_budget_and_the_removed_errors() -> None:
     assert section.notes[0] == "Not known: drift."
     found.removed = ()
     assert len(uncertainty_section(found).tables) == 1
-
-
-def test_provenance_lists_facts_settings_and_versions() -> None:
-    made = dataclasses.replace(model(), history={"fit": {"rules": 2, "terms": ["x"], "blocks": [], "method": "batch"}})
-    rows = cells(provenance_section(made, [("record", "a.csv")]))
-    assert rows[0] == ["record", "a.csv"]
-    assert re.fullmatch(r"made_up, SHA-256 [0-9a-f]{64}", rows[1][1])
-    assert rows[2] == ["fit settings", 'rules 2, method "batch"']
-    assert rows[4][1] == f"{platform.python_version()}, {np.__version__}, {scipy.__version__}"
-    for history in ({}, {"fit": "unknown"}):
-        assert cells(provenance_section(dataclasses.replace(model(), history=history), []))[1][1].startswith("not rec")
 
 
 def test_key_figures_are_those_of_the_diagnosis_and_of_its_c() -> None:

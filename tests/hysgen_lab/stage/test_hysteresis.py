@@ -52,41 +52,6 @@ def test_single_relays_agree_with_the_everett_function(count: int) -> None:
     assert np.abs(apart).max() > 0
 
 
-def test_passed_extremes_are_wiped_out() -> None:
-    inner = np.array([30.0, 70.0, 40.0, 60.0, 45.0, 55.0])
-    after = np.array([80.0, 20.0, 50.0])
-    with_loops = static_path(NOMINAL, np.concatenate([[10.0], inner, after]))[-3:]
-    plain = static_path(NOMINAL, np.concatenate([[10.0], after]))[-3:]
-    # The sums run over the same pieces in the same order: equal bits.
-    assert (with_loops == plain).all()
-
-
-def test_a_minor_loop_returns_to_where_it_left_the_curve() -> None:
-    w_um = static_path(NOMINAL, np.array([60.0, 35.0, 60.0, 35.0, 48.0, 35.0]))
-    # One sum of E over up to four pieces of at most 10 um each: rounding stays below 1e-12 um.
-    assert w_um[2] == pytest.approx(w_um[0], abs=1e-12)
-    assert w_um[3] == pytest.approx(w_um[1], abs=1e-12)
-    assert w_um[5] == pytest.approx(w_um[1], abs=1e-12)
-
-
-def test_minor_loops_between_equal_voltages_are_congruent() -> None:
-    loop_V = np.concatenate([np.linspace(60, 40, 51), np.linspace(40, 60, 51)])
-    low = static_path(NOMINAL, np.concatenate([[-10.0, 60.0], loop_V]))[2:]
-    high = static_path(NOMINAL, np.concatenate([[110.0, 40.0, 60.0], loop_V]))[3:]
-    assert high[0] - low[0] > 0.1  # they hang at different heights
-    # Interpolation of the Everett function is good to 1e-9 um, see the test against quadrature.
-    np.testing.assert_allclose(low - low[0], high - high[0], atol=1e-9)
-
-
-def test_loops_of_one_size_differ_along_the_range_as_no_play_operators_can() -> None:
-    # Play operators see voltage differences only: their loops of one size are equal wherever they stand.
-    opening = []
-    for middle_V in (10.0, 50.0, 100.0):
-        _, rising, falling = static_loop(NOMINAL, middle_V - 15, middle_V + 15)
-        opening.append(float((falling - rising).max()))
-    assert max(opening) > 1.5 * min(opening)
-
-
 @pytest.mark.parametrize(("low_V", "high_V"), [(0.0, 120.0), (-20.0, 120.0), (5.0, 45.0)])
 def test_loops_are_as_wide_as_those_of_soft_ceramics(low_V: float, high_V: float) -> None:
     _, rising, falling = static_loop(NOMINAL, low_V, high_V)
@@ -97,55 +62,12 @@ def test_loops_are_as_wide_as_those_of_soft_ceramics(low_V: float, high_V: float
     assert (np.diff(falling) > 0).all()
 
 
-def test_small_loops_are_relatively_narrower_and_flatter() -> None:
-    width, gain = [], []
-    for half_V in (1.0, 10.0, 40.0):
-        u_V, rising, falling = static_loop(NOMINAL, 50 - half_V, 50 + half_V)
-        width.append(float((falling - rising).max() / (rising[-1] - rising[0])))
-        gain.append(float((rising[-1] - rising[0]) / (u_V[-1] - u_V[0])))
-    assert width == sorted(width)
-    assert gain == sorted(gain)
-
-
 def test_there_is_no_staircase() -> None:
     u_V = 40.0 + np.linspace(0.0, 0.2, 2001)  # steps of 0.1 mV
     slope = np.diff(static_path(NOMINAL, u_V)) / np.diff(u_V)
     assert slope.min() > 0
     # 0.2 V bend the slope by next to nothing; a staircase would make it jump between its reversible part and infinity.
     assert slope.max() / slope.min() < 1.01
-
-
-def loop_area(stage: Stage, f_Hz: float) -> float:
-    """Area in V um of the second period of a sine of 5..45 V, read without noise, 4000 samples a period.
-
-    Against the voltage that was there when y was read: the next one, put out only then, would open the loop.
-    """
-    n = 4000
-    u_V = 25.0 - 20.0 * np.cos(2 * np.pi * np.arange(2 * n + 1) / n)
-    measured = run(stage.quiet(), u_V, 1 / (f_Hz * n))
-    u_V, y_um = measured.truth.actuator_V[n:], measured.displacement_um[n:]
-    return float(-np.sum((y_um[1:] + y_um[:-1]) / 2 * np.diff(u_V)))
-
-
-@pytest.mark.parametrize("memory", [Preisach(), Relays(), BoucWen()])
-def test_the_loop_stays_open_as_the_frequency_falls(memory: Preisach | Relays | BoucWen) -> None:
-    stage = NOMINAL.with_effects(memory=memory)
-    straight = stage.with_effects(memory=None)
-    assert loop_area(stage, 0.01) > 5.0  # of 40 V times 3 um
-    assert loop_area(stage, 0.0001) == pytest.approx(loop_area(stage, 0.01), rel=1e-9)
-    # The lag of 1 ms alone opens pi 20 V 1.67 um sin(2 pi 0.001) = 0.66 V um at 1 Hz, less the D/A's half sample, 12 %.
-    assert loop_area(straight, 1.0) == pytest.approx(0.58, abs=0.01)
-    assert abs(loop_area(straight, 0.01)) < 1e-9
-
-
-def test_the_path_counts_and_not_its_speed() -> None:
-    path = wandering(3, 20)
-    stretched = np.repeat(path, np.random.default_rng(4).integers(1, 9, len(path)))
-    once = static_path(NOMINAL, path)
-    again = static_path(NOMINAL, stretched)
-    assert (
-        again[np.flatnonzero(np.append(np.diff(stretched) != 0, True))] == once[np.append(np.diff(path) != 0, True)]
-    ).all()
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.6])

@@ -18,7 +18,6 @@ from hysgen.record.read import bundled_csv
 from hysgen_lab.stage import BoucWen, Preisach, Stage, StageError, StageState, effect_shares, run, static_loop, without
 from hysgen_lab.stage.demo_record import demo_csv, demo_measurement, identification_rows
 from hysgen_lab.stage.effects import Action, Effect
-from hysgen_lab.stage.effects.amplifier import BandwidthEffect
 from hysgen_lab.studies.bank import scenario
 
 Floats = NDArray[np.float64]
@@ -74,11 +73,6 @@ def test_without_effects_exactly_a_proportional_ceramic_behind_one_pole_remains(
     # Rounding of one multiplication and addition at 4 um.
     np.testing.assert_allclose(y_um[1:], keep * y_um[:-1] + (1 - keep) * GAIN_UM_PER_V * u_V[:-1], atol=1e-14)
     assert stage.active == ()
-
-
-def test_the_nominal_stage_has_memory_and_nothing_else() -> None:
-    assert Stage.nominal().active == ("memory",)
-    assert set(Stage.laboratory().active) == {"memory", "bandwidth", "slew", "creep", "drift", "resonance", "periodic"}
 
 
 @pytest.mark.parametrize("memory", [Preisach(), BoucWen()])
@@ -139,31 +133,6 @@ def test_the_dac_has_twenty_bits_and_ends_at_its_range() -> None:
     assert volts.max() == 120.0
 
 
-def test_at_rest_nothing_moves() -> None:
-    stage = (
-        Stage.laboratory()
-        .quiet()
-        .with_effects(
-            bandwidth=BandwidthEffect(500.0, order=2), drift=None, periodic=None, delay=1.6, coupling={"axis2_V": 0.02}
-        )
-    )
-    y_um = run(stage, np.full(500, 30.0), TS_S, aux={"axis2_V": np.full(500, 7.0)}).displacement_um
-    # Rounding in some forty states at 3 um.
-    np.testing.assert_allclose(y_um, y_um[0], atol=1e-11)
-
-
-def test_a_closed_loop_settles_on_its_reference() -> None:
-    state = StageState(Stage.laboratory(), TS_S, seed=2, rest_V=20.0)
-    y_um, u_V = state.y_um, 20.0
-    tail = []
-    for k in range(5000):
-        u_V += 0.15 * (2.5 - y_um)
-        y_um = state.step(u_V)
-        tail += [state.true_um] if k >= 4000 else []
-    # What an integrator of 13 Hz leaves of 2 nm of hum at 50 Hz and of the noise it feeds back.
-    assert np.abs(np.array(tail) - 2.5).max() < 0.01
-
-
 def test_a_voltage_that_is_not_a_number_holds_the_last() -> None:
     good, bad = (StageState(Stage.nominal(), TS_S, rest_V=5.0) for _ in range(2))
     good.step(30.0)
@@ -221,18 +190,6 @@ def test_input_that_drives_no_stage_is_refused_in_one_line(arguments: dict[str, 
 
 def test_the_bundled_record_is_what_the_stage_makes() -> None:
     assert bundled_csv() == demo_csv()
-
-
-def test_the_bundled_record_reads_back_exactly() -> None:
-    text = bundled_csv()
-    assert len(text.encode()) < 2_000_000
-    assert text.startswith("time_s,voltage_V,displacement_um\n0.000000,30.00000,")
-    time_s, voltage_V, displacement_um = np.array([line.split(",") for line in text.splitlines()[1:]], dtype=float).T
-    made = demo_measurement()
-    assert (voltage_V == made.voltage_V).all()
-    # Four decimals hold the sensor's steps of 0.5 nm whole, six the sampling instants.
-    np.testing.assert_allclose(displacement_um, made.displacement_um, atol=1e-12)
-    np.testing.assert_allclose(time_s, TS_S * np.arange(len(time_s)), atol=1e-12)
 
 
 def test_validation_stays_inside_what_identification_visited_and_drives_otherwise() -> None:
