@@ -32,7 +32,7 @@ quick-tests: $(VENV)/.tested
 all-tests: $(VENV)/.tested
 	$(PY) -m pytest -n auto --dist worksteal -m "not proof"
 
-prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, and longer forms of tests: about nine minutes
+prove: $(VENV)/.tested  ## every call of the two models that ship, proved by Frama-C, proofs of kernels, planted faults: about ten minutes
 	$(PY) -m pytest -n auto --dist worksteal -m proof
 
 style: $(VENV)/.tested

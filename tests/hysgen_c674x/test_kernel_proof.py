@@ -1,6 +1,8 @@
 """Kernels are proved equal to their C, packet by packet, and none with a planted fault is."""
 
+import importlib
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,8 @@ from hysgen.cli import main
 from hysgen.codegen import write
 from hysgen_c674x.schedule.proof import kernel_proofs
 
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+proofs = importlib.import_module("proofs")
 pytestmark = pytest.mark.slow
 LEARNER = "small_learning"
 
@@ -29,10 +33,18 @@ def test_every_kernel_is_proved_equal_to_its_c(name: str) -> None:
     assert all(proof.holds for proof in result.functions), result.lines()
 
 
+@pytest.mark.proof
+@pytest.mark.parametrize("name", proofs.LISTED)
+def test_the_kernels_of_the_models_that_are_named_are_proved(name: str) -> None:
+    answers = proofs.judged(name, task=proofs.scheduled).answers
+    assert set(answers.values()) == {"proved"}, answers
+
+
+@pytest.mark.parametrize("place", [0.7, pytest.param(0.2, marks=pytest.mark.proof)])
 @pytest.mark.parametrize("fault", WRONG, ids=[intact for intact, _ in WRONG])
-def test_a_kernel_with_a_fault_is_not_proved(fault: tuple[str, str]) -> None:
+def test_a_kernel_with_a_fault_is_not_proved(fault: tuple[str, str], place: float) -> None:
     texts, file = scheduled_texts(LEARNER), f"{LEARNER}_c674x.s"
-    result = kernel_proofs(scheduled_model(LEARNER), {**texts, file: changed(texts[file], fault, 0.7)})
+    result = kernel_proofs(scheduled_model(LEARNER), {**texts, file: changed(texts[file], fault, place)})
     assert sum(proof.holds for proof in result.functions) == len(result.functions) - 1, result.lines()
 
 

@@ -3,6 +3,7 @@
 import math
 import multiprocessing
 import os
+import subprocess
 import sys
 import tempfile
 import threading
@@ -319,3 +320,30 @@ def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(
     monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(cache, "write_sealed", full)
     assert cache.resumed(("x",), tmp_path, lambda: 7) == 7
+
+
+WINDOWS = """
+import asyncio, mimetypes, os, sys, types
+import concurrent.futures.process, matplotlib.pyplot, scipy.linalg  # these look at the platform themselves
+calls = []
+def locking(place, how, size):
+    calls.append(how)
+    if len(calls) == 1:
+        raise OSError("ten seconds are over")
+sys.modules |= {"fcntl": None, "msvcrt": types.SimpleNamespace(LK_LOCK=1, locking=locking)}
+for name in {"getuid", "fork", "sched_getaffinity"} & set(dir(os)):
+    delattr(os, name)
+sys.platform = "win32"
+from hysgen.cli import main
+assert main(["generate", "appendix_a", "-o", sys.argv[1]]) == 0
+assert calls == [1, 1], calls
+"""
+
+
+@pytest.mark.slow
+def test_a_folder_is_generated_without_what_windows_has_not(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [sys.executable, "-c", WINDOWS, str(tmp_path / "c")], capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert (tmp_path / "c" / "appendix_a.c").exists()

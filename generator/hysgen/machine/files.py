@@ -1,15 +1,35 @@
 """Atomic file writes and digests; the version and the data folders of the installed package."""
 
 import contextlib
-import fcntl
 import hashlib
 import os
+import sys
 import tempfile
 from collections.abc import Iterator
 from importlib import metadata, resources
 from pathlib import Path
 
 from hysgen.errors import BuildError, HysgenError
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _locked(folder: Path) -> int:
+        """An open file that stands for the folder: Windows opens no folder, and a lock gives up after ten seconds."""
+        stands_for = f"hysgen-{digest(os.fsencode(folder.resolve()))[:32]}.lock"
+        place = os.open(Path(tempfile.gettempdir(), stands_for), os.O_RDWR | os.O_CREAT)
+        while True:
+            with contextlib.suppress(OSError):
+                msvcrt.locking(place, msvcrt.LK_LOCK, 1)
+                return place
+else:
+    import fcntl
+
+    def _locked(folder: Path) -> int:
+        """The folder, open and locked."""
+        place = os.open(folder, os.O_RDONLY)
+        fcntl.flock(place, fcntl.LOCK_EX)
+        return place
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
@@ -49,11 +69,10 @@ def only_writer(folder: Path) -> Iterator[None]:
     """Make a folder and hold it: another process waits here until it is free. Raises HysgenError if it cannot."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        place = os.open(folder, os.O_RDONLY)
+        place = _locked(folder)
     except OSError as fault:
         raise HysgenError(f"{folder}: cannot be written ({fault.strerror}); choose another place") from fault
     try:
-        fcntl.flock(place, fcntl.LOCK_EX)
         yield
     finally:
         os.close(place)
