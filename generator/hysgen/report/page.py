@@ -26,6 +26,7 @@ from hysgen.machine.files import digest, version, write_whole
 from hysgen.machine.processes import in_processes
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
+from hysgen.report import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, YELLOW
 from hysgen.report.plots.style import Picture, data_uri, named
 from hysgen.uncertainty.simulated import Characterisation
 
@@ -48,10 +49,10 @@ class KeyFigure:
 
 
 PALETTE = (
-    *(("#0072b2", "#fff"), ("#e69f00", "#000"), ("#009e73", "#fff"), ("#cc79a7", "#000"), ("#56b4e9", "#000")),
-    *(("#f0e442", "#000"), ("#d55e00", "#000")),
+    *((BLUE, "#fff"), (ORANGE, "#000"), (GREEN, "#fff"), (PURPLE, "#000"), (SKY, "#000")),
+    *((YELLOW, "#000"), (VERMILION, "#000")),
 )
-"""Colours of shares, largest first, and of the letters on them: Okabe and Ito (2008), as in `plots.style`."""
+"""Colours of shares, largest first, and of the letters on them."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from hysgen.model.model import Model
 from hysgen.model.scores import OWN, SCORE_HEADER, Score, Scores, score_rows
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
+from hysgen.report import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from hysgen.report.page import (
     PALETTE,
     Card,
@@ -33,7 +34,6 @@ from hysgen.report.page import (
     provenance_section,
     uncertainty_section,
 )
-from hysgen.report.plots import style
 from hysgen.report.plots.diagnosis import pictures
 from hysgen.report.plots.style import Picture
 from hysgen.report.plots.traces import (
@@ -49,8 +49,8 @@ from hysgen.report.sketches import svg
 from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, total_price, warnings
 from hysgen.uncertainty.simulated import Characterisation
 
-COLOURS = (style.SIMULATED, style.EXTENDED, style.BASELINE, "#cc79a7", "#e69f00", "#56b4e9")
-"""Of the models, in their order: Okabe and Ito (2008), as in `style`."""
+COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)
+"""Of the models, in their order."""
 
 
 def model_page(
@@ -224,9 +224,9 @@ def shares(study: Study) -> list[Share]:
 def key_figures(study: Study, report: Report | None, price: Cost | None) -> list[KeyFigure]:
     """Free-run errors, noise floor, price and equality of bits, for the top of the page."""
     diagnosis = study.diagnosis
-    figures = [
-        KeyFigure("free run, paper's model", f"{diagnosis.base_rms_um:.3g} µm", _span(study, diagnosis.base_rms_um)),
-    ]
+    base_um = diagnosis.base_rms_um
+    span = f"{study.percent(base_um):.2g} % of the stroke, held out"
+    figures = [KeyFigure("free run, paper's model", f"{base_um:.3g} µm", span)]
     held = study.held_out()
     delivered = held.extended_um if study.improved else held.base_um
     percent = fit_percent(held.measured_um, delivered)
@@ -357,7 +357,3 @@ def _proof(study: Study) -> tuple[Report | None, Cost | None, str]:
         return verify_texts(model, texts, VerifySettings(samples=SAMPLES)), price, ""
     except HysgenError as fault:
         return None, price, str(fault)
-
-
-def _span(study: Study, rms_um: float) -> str:
-    return f"{study.percent(rms_um):.2g} % of the stroke, held out"

@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.remedy import Sketch
+from hysgen.report import BLUE, VERMILION
 
 Floats = NDArray[np.float64]
 
-ACTING, FREE = "#d55e00", "#0072b2"
+ACTING, FREE = VERMILION, BLUE
 """Colours with the cause and without it: those of the paper's model and of the extended one."""
 
 WIDTH, HEIGHT, GAP = 150.0, 64.0, 24.0

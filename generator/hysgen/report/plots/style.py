@@ -17,13 +17,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 
 from hysgen.display import WRITTEN_IN
 from hysgen.machine.files import write_whole
+from hysgen.report import BLUE, GREEN, VERMILION
 
-# Okabe and Ito (2008), "Color Universal Design": distinct for all common kinds of colour blindness.
-MEASURED = "#000000"
-SIMULATED = "#d55e00"
-EXTENDED = "#0072b2"
-BASELINE = "#009e73"
-NOTE = "#999999"
+MEASURED, NOTE = "#000000", "#999999"
+SIMULATED, EXTENDED, BASELINE = VERMILION, BLUE, GREEN
 THIN = 0.8
 """Width of the line of a signal, whose swings lie close together, in points; other lines: see _SETTINGS."""
 
