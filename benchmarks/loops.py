@@ -164,10 +164,13 @@ def record_of(modes: int, draw: int = 99) -> hysgen.Record:
 
 
 def followed(model: Model, actuator: Actuator, wanted: Floats) -> Floats:
-    """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before."""
+    """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before.
+
+    Its residual is that from what can be reached: what the limits leave is no error of the stage.
+    """
     ahead = preview(model.blocks) + 1
     plan = hysgen.waveform(model, np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]))
-    course = np.concatenate([np.full(plan.lead, wanted[0]), plan.reference.values])
+    course = np.concatenate([np.full(plan.lead, wanted[0]), plan.y_um])
     asked_um, first_V = plan.asked_um.astype(np.float32), plan.u_V[:1].astype(np.float32)
     actuator.play(np.full(10, first_V[0]))
     inverse = Instance(model, asked_um[:1], first_V)

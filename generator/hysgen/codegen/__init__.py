@@ -121,10 +121,12 @@ def _require_resolution(model: Model) -> None:
         raise ModelError(f"{model.name}: a displacement of {end_um:.3g} um is beyond float32; give it in a larger unit")
     step_um = float(np.spacing(np.float32(end_um)))
     noise_um = float(model.scores.get("identification", {}).get("noise_floor", {}).get("rms_um", 0.0))
-    if step_um > max(0.5 * noise_um, LEAST_RESOLVED * (high_um - low_um)):
+    fine_um = LEAST_RESOLVED * (high_um - low_um)
+    limit_um, limit = max((0.5 * noise_um, "half the noise"), (fine_um, f"{LEAST_RESOLVED:g} of the range"))
+    if step_um > limit_um:
         raise ModelError(
-            f"{model.name}: at {high_um:.9g} um float32 has steps of {decimal(step_um, 3)} um, more than half the "
-            f"noise ({decimal(0.5 * noise_um, 3)} um); take {low_um:.9g} um off the displacement, in the record before "
+            f"{model.name}: at {high_um:.9g} um float32 has steps of {decimal(step_um, 3)} um, more than {limit} "
+            f"({decimal(limit_um, 3)} um); take {low_um:.9g} um off the displacement, in the record before "
             "the fit and in the controller"
         )
 

@@ -22,6 +22,7 @@ PLANTED: Mapping[str, tuple[Any, Mapping[str, float]]] = {
     "memory": (Stage.nominal().memory, {"loop_Hz": 2.0}),
     "creep": (0.03, {"per_decade": 0.03, "from_s": 0.01}),
     "resonance": ((400.0, 0.03, 0.6), {"f_Hz": 400.0, "zeta": 0.03}),
+    "softening": ((400.0, 0.01, 0.2, 200.0), {"small_f_Hz": 400.0}),
     "delay": (12.0, {"delay_samples": 12.0}),
     "saturation": ((15.0, 95.0), {"low_V": 15.0, "high_V": 95.0}),
     "slew": (5e3, {"rate_V_per_s": 5e3}),
@@ -32,6 +33,9 @@ PLANTED: Mapping[str, tuple[Any, Mapping[str, float]]] = {
     "outliers": ((0.025, 0.5), {"rate": 0.025}),
 }
 """The effect of the stage and the parameters of the cause, by its name."""
+
+WITHOUT: Mapping[str, Mapping[str, Any]] = {"softening": {"softening": (400.0, 0.01, 1e-6, 200.0)}}
+"""What the stage has where it lacks the cause: a mode that does not slip."""
 
 LOW_V, RANGE_V = 10.0, 100.0
 
@@ -52,7 +56,7 @@ def gallery() -> dict[str, str]:
     for name, (effect, values) in PLANTED.items():
         motion = causes()[name].motion(values, TS_S)
         assert motion is not None
-        free = dataclasses.replace(Stage.nominal().quiet(), memory=None)
+        free = dataclasses.replace(Stage.nominal().quiet(), memory=None).with_effects(**WITHOUT.get(name, {}))
         acting = free.with_effects(**{"memory" if name == "curve" else name: effect})
         sketch = Sketch.of(motion, *(_moved_um(stage, motion, acting.channels) for stage in (acting, free)))
         files[f"gallery/{name}.svg"] = svg(sketch, name, head) + "\n"

@@ -18,13 +18,14 @@ from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
-from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes
+from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes, voltage_step
 from hysgen.display import decimal
 from hysgen.fitting.operator import CURVE, RELAXING, PathSize
 from hysgen.fitting.path import RELAXATIONS
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.model import Model
+from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.record.series import turning_rows
 
 Floats = NDArray[np.float64]
@@ -291,6 +292,21 @@ class RelaxationCause(Cause):
             f"calibrate at the rate of use: ten times slower is another loop by {2.3 * percent:.2g} %; or follow the "
             "inverse of this model, or close a loop around the sensor",
         )
+
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(1.0, Ts_s)
+
+    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats] | None:
+        """The model without other terms, and with plays that stand while the voltage rests."""
+        model = dataclasses.replace(seen.model, terms=(), weights=np.zeros(0))
+        still = tuple(
+            dataclasses.replace(block, relaxation=0.0) if isinstance(block, Hysteresis) else block
+            for block in model.blocks
+        )
+        if still == model.blocks:
+            return None
+        u_V = model.u_min_V + motion.levels * (model.u_max_V - model.u_min_V)
+        return model.simulate(u_V), dataclasses.replace(model, blocks=still).simulate(u_V)
 
     def forms(self, extension: Extension) -> list[Extension]:
         """The size of the hysteresis that memory has, or densities fine enough for many hysterons."""

@@ -358,6 +358,9 @@ class SofteningCause(Cause):
             "slip: tighten clamps and preload",
         )
 
+    def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
+        return voltage_step(12.0 / values["small_f_Hz"], Ts_s)
+
     def extension(self, residual: Residual) -> Extension:
         form, loop = _form_of(residual)
         block, _ = structure_parts(form, {})
