@@ -67,7 +67,11 @@ def next_step(state: State, added: dict[str, Scored]) -> Scored | None:
 
 
 def best_additions(state: State) -> dict[str, Scored]:
-    """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
+    """By cause, the chain of least score with one more part of it; the largest fall of the score first.
+
+    Falls count by other independent samples for parts that are apart (`Part.apart`): of two chains with one cause, the
+    one that leaves less with fewer parameters is taken whatever they say.
+    """
     part, current = state.scene, state.current
     residual = Residual(part, current.fit)
     # Each proposal of a part of the amplifier requires a hysteresis of its own.
@@ -82,7 +86,9 @@ def best_additions(state: State) -> dict[str, Scored]:
     cause_of = {id(fit): name for (name, _), fit in zip(starts, fits, strict=True)}
     best: dict[str, Scored] = {}
     for one in sorted(state.scored(fits), key=lambda one: -fall_of_addition(one, current)):
-        best.setdefault(cause_of[id(one.fit)], one)
+        first = best.setdefault(cause_of[id(one.fit)], one)
+        if one.fit.rms_um < first.fit.rms_um and one.orders < first.orders:
+            best[cause_of[id(one.fit)]] = one
     return best
 
 

@@ -153,7 +153,8 @@ class ResonanceCause(Cause):
             whole.append(chain.having(dataclasses.replace(modes, early_s=EARLIEST * scene.Ts_s)))
         if len(chain.modes) >= MOST_MODES:
             return whole
-        grid = [Mode(f_Hz, zeta, 1.0) for zeta in DAMPINGS for f_Hz in _grid_Hz(residual)]
+        exact = [] if structure is None or chain.modes else _light_modes(structure.form)
+        grid = [*exact, *(Mode(f_Hz, zeta, 1.0) for zeta in DAMPINGS for f_Hz in _grid_Hz(residual))]
         bare = residual.responses(self.without(chain))
         rings = np.empty((len(grid), len(scene.rows)))
         for i, mode in enumerate(grid):
@@ -175,7 +176,13 @@ class ResonanceCause(Cause):
             beside = rings - np.outer(rings @ first, first)
             others = _by_power(grid, beside, error - (error @ first) * first)
             sets.append((chosen[0], next(one for one in others if abs(math.log(one.f_Hz / chosen[0].f_Hz)) > APART)))
+        if exact:
+            # The modes of the structure alone: it is linear, and may hold what hysteresis behind its modes moves.
+            shares = np.linalg.lstsq(rings[: len(exact)].T, error)[0].clip(-1.0, 1.0).tolist()
+            sets.append(tuple(dataclasses.replace(m, share=share) for m, share in zip(exact, shares, strict=True)))
         proposed = [chain.having(Modes.of((*chain.modes, *more), chain.lag_s)) for more in sets]
+        if exact:
+            proposed += [dataclasses.replace(proposed[-1], lag_s=lag * scene.Ts_s) for lag in OTHER_LAGS]
         return whole + (proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s))
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
@@ -261,6 +268,13 @@ def identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) 
     except FitError:
         return None
     return StructurePart(form, channels)
+
+
+def _light_modes(form: ModalForm) -> list[Mode]:
+    """At most MOST_MODES modes whose frequency is known to KNOWN of it, the lightest first."""
+    known = np.flatnonzero(form.f_error_Hz < KNOWN * form.f_Hz)
+    lightest = known[np.argsort(form.zeta[known], kind="stable")][:MOST_MODES]
+    return [Mode(float(form.f_Hz[m]), float(form.zeta[m]), 1.0) for m in lightest]
 
 
 def _signature_of(form: ModalForm, channels: Sequence[str]) -> Signature:
