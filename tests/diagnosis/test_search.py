@@ -1,5 +1,7 @@
 """The search on a linear stage: every cause, no cause, and a start with the wrong cause."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from fixtures.linear_stage import (
     LINEAR,
     NOISE_UM,
     PLANTED,
+    RINGING,
     SAMPLES,
     SPAN_S,
     T_S,
@@ -28,9 +31,11 @@ from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
+from hysgen.diagnosis.causes.modes import identified
 from hysgen.diagnosis.causes.unknown import SuddenPart
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
-from hysgen.diagnosis.score import admissible
+from hysgen.diagnosis.score import Scored, admissible
+from hysgen.diagnosis.search_steps import best_of_causes
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
@@ -45,6 +50,23 @@ def test_search_finds_the_planted_cause_and_no_other(name: str) -> None:
     assert named(found) == [name]
     assert found.bayes[name] > LEAST_EVIDENCE
     assert found.confidence[name] > 0.99
+
+
+def test_of_two_forms_of_a_cause_that_count_differently_the_better_and_smaller_one_is_taken() -> None:
+    """Modes, along which a misfit repeats, and a structure with another drive, which differs from pass to pass."""
+    seen = scene(RINGING, 0.05 * np.sin(COMMAND_V / 5.0), {"axis2_V": AXIS2_V})
+    bare, modes = (Scored.of(seen, refine(seen, chain)) for chain in (LAG, RINGING))
+    part = identified(seen.runs, ("axis2_V",), TS_S)
+    assert part is not None
+    fit = linear_fit(seen, LAG.having(part))
+    worse, better = (
+        Scored.of(seen, replace(fit, error=size * modes.fit.error, rms_um=size * modes.fit.rms_um))
+        for size in (1.5, 0.5)
+    )
+    assert worse.fall_from(bare) > modes.fall_from(bare)
+    for structure, taken in ((worse, modes), (better, better)):
+        found = best_of_causes([("resonance", structure), ("resonance", modes)], bare)
+        assert found == {"resonance": taken}
 
 
 @pytest.mark.slow

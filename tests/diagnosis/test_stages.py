@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import StateSpace, cont2discrete, lfilter, lsim
 
 import hysgen
-from fixtures.foreign_stages import EFFECTS, FAMILIES, dahl, foreign_record, repeating_record
+from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record, repeating_record
 from hysgen.api.diagnosing import scored_extension
 from hysgen.codegen import generate
 from hysgen.diagnosis import DiagnoseSettings, diagnose
@@ -88,26 +88,6 @@ def test_modes_of_two_drives_are_named_and_delivered() -> None:
     # 0.01 um of noise, and as much of what 9000 rows leave open.
     assert found.extended_rms_um < 0.02 < 0.02 * found.base_rms_um
     assert any(name.endswith(".c") for name in generate(found.model))
-
-
-@pytest.mark.slow
-def test_strong_modes_behind_a_hysteresis_are_no_structure_of_another_drive() -> None:
-    """A Dahl friction before two modes that ring as large as the motion, beside a channel that does nothing."""
-    rng = np.random.default_rng(len(SHAPES))
-    v_V = good(rng, 6000, 0.0, 90.0)
-    slow = dahl(rng, v_V)
-    still = lfilter([0.1], [1.0, -0.9], slow - slow[0])
-    y_um = still + 1e-4 * np.ptp(still) * rng.standard_normal(6000)
-    for f_Hz, zeta, share in ((150.0, 0.02, 0.6), (350.0, 0.01, 0.2)):
-        w = 2.0 * np.pi * f_Hz
-        b, a, _ = cont2discrete(([w * w], [1.0, 2.0 * zeta * w, w * w]), TS_S, method="bilinear")
-        y_um += share * (lfilter(np.ravel(b), a, still) - still)
-    other_V = np.cumsum(rng.standard_normal(6000))
-    naming = name_causes(Record.from_segments([Segment("beside", v_V, y_um, {"other_V": other_V})], TS_S))
-    assert naming.names == ("memory", "resonance")
-    modes = naming.found.fit.chain.modes
-    assert min(abs(mode.f_Hz - 150.0) for mode in modes) < 0.75
-    assert naming.found.error_growth["resonance"] > 20.0
 
 
 SOFT_TS_S, SOFT_HZ = 1e-4, 300.0

@@ -67,11 +67,7 @@ def next_step(state: State, added: dict[str, Scored]) -> Scored | None:
 
 
 def best_additions(state: State) -> dict[str, Scored]:
-    """By cause, the chain of least score with one more part of it; the largest fall of the score first.
-
-    Falls count by other independent samples for parts that are apart (`Part.apart`): of two chains with one cause, the
-    one that leaves less with fewer parameters is taken whatever they say.
-    """
+    """By cause, the chain of least score with one more part of it; the largest fall of the score first."""
     part, current = state.scene, state.current
     residual = Residual(part, current.fit)
     # Each proposal of a part of the amplifier requires a hysteresis of its own.
@@ -84,11 +80,20 @@ def best_additions(state: State) -> dict[str, Scored]:
     fits = _refined_if_promising(state, [start for _, start in starts])
     fits = [_with_acting_causes(part, fit, name) for (name, _), fit in zip(starts, fits, strict=True)]
     cause_of = {id(fit): name for (name, _), fit in zip(starts, fits, strict=True)}
+    return best_of_causes([(cause_of[id(one.fit)], one) for one in state.scored(fits)], current)
+
+
+def best_of_causes(scored: Sequence[tuple[str, Scored]], current: Scored) -> dict[str, Scored]:
+    """The best chain of each cause, the largest fall of the score from the current chain first.
+
+    Falls count by other independent samples where a part is apart (`Part.apart`): of two chains with one cause, the
+    one that leaves less with fewer parameters is taken whatever they say.
+    """
     best: dict[str, Scored] = {}
-    for one in sorted(state.scored(fits), key=lambda one: -fall_of_addition(one, current)):
-        first = best.setdefault(cause_of[id(one.fit)], one)
+    for name, one in sorted(scored, key=lambda named: -fall_of_addition(named[1], current)):
+        first = best.setdefault(name, one)
         if one.fit.rms_um < first.fit.rms_um and one.orders < first.orders:
-            best[cause_of[id(one.fit)]] = one
+            best[name] = one
     return best
 
 
