@@ -181,8 +181,6 @@ class ResonanceCause(Cause):
             shares = np.linalg.lstsq(rings[: len(exact)].T, error)[0].clip(-1.0, 1.0).tolist()
             sets.append(tuple(dataclasses.replace(m, share=share) for m, share in zip(exact, shares, strict=True)))
         proposed = [chain.having(Modes.of((*chain.modes, *more), chain.lag_s)) for more in sets]
-        if exact:
-            proposed += [dataclasses.replace(proposed[-1], lag_s=lag * scene.Ts_s) for lag in OTHER_LAGS]
         return whole + (proposed if chain.modes else proposed + _with_other_lags(chain, chosen[0], scene.Ts_s))
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
