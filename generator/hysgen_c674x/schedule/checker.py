@@ -1,16 +1,21 @@
-"""Inspection of assembled kernels: every rule of the pipeline that a schedule has to keep.
+"""Execution of assembled kernels with symbols for numbers, and every rule of the pipeline that a schedule has to keep.
 
-The packets come from the disassembly of the linked program, so the inspection shares no code with the scheduler. A
-kernel is followed from its first packet to the end of the delay slots of its return. It is correct for every timing of
+The packets come from the disassembly of the linked program, so this shares no code with the scheduler. A kernel is
+followed from its first packet to the end of the delay slots of its return. It is correct for every timing of
 interrupts if no register is read or written while a result for it is in flight: an interrupt only lets such results
-arrive earlier.
+arrive earlier. What a register or a word of memory holds is an operation of a graph; that of addresses is decomposed
+into the object that they lie in and a number of bytes.
 """
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from hysgen.checking.symbolic.semantics import signed
+from hysgen.checking.symbolic.arrays import COMPUTED
+from hysgen.checking.symbolic.dataflow import Graph, Op
+from hysgen.checking.symbolic.memory import WORD
+from hysgen.checking.symbolic.semantics import MASK, signed
 from hysgen_c674x.assembly import Instruction, Register
 from hysgen_c674x.decode import (
     Access,
@@ -27,11 +32,14 @@ from hysgen_c674x.decode import (
 from hysgen_c674x.elf import ProgramImage
 from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet, operands
+from hysgen_c674x.processor import STACK_POINTER
 
-_LINK, _STACK = 32 + 3, 32 + 15
+_LINK: Final = 32 + 3
 _PRESERVED: Final = frozenset({*range(10, 16), *range(32 + 10, 32 + 16), _LINK})
 ARGUMENTS: Final = (4, 32 + 4, 6, 32 + 6, 8, 32 + 8)
 _GUARDS: Final = frozenset({0, 1, 2, 32, 33, 34})
+_SCALED: Final[Mapping[str, int]] = {"addk": 1, "addab": 1, "addah": 2, "addaw": 4, "addad": 8}
+_STACK: Final = "stack"
 
 
 @dataclass(frozen=True)
@@ -51,24 +59,9 @@ class _InFlight:
     """A result that arrives at the start of cycle `arrives`; guard: the predicate of its instruction."""
 
     arrives: int
-    value: object
+    chosen: Callable[[Op], Op]
     guard: tuple[int, bool] | None
     load: bool
-
-
-@dataclass(frozen=True)
-class _Argument:
-    """The argument in a register at entry plus an offset; an argument that is an address is a multiple of 8."""
-
-    register: int
-    offset: int
-
-
-@dataclass(frozen=True)
-class _Stack:
-    """The stack pointer at entry plus an offset."""
-
-    offset: int
 
 
 def function_packets(image: ProgramImage, packets: Mapping[int, Packet], function: str) -> list[Packet]:
@@ -79,26 +72,42 @@ def function_packets(image: ProgramImage, packets: Mapping[int, Packet], functio
 
 def inspect(packets: Sequence[Packet], parameters: int) -> list[Finding]:
     """All broken rules of a kernel with this number of arguments."""
-    return _Inspection(parameters).run(packets)
+    graph = Graph()
+    return Execution(graph, {f"argument {k}": [] for k in range(parameters)}).run(packets)
 
 
 @dataclass
-class _Inspection:
-    parameters: int
+class Execution:
+    """Registers and memory during a kernel. given: the arguments, or the words behind them, by parameter."""
+
+    graph: Graph
+    given: Mapping[str, Op | Sequence[Op]]
+    registers: dict[int, Op] = field(default_factory=dict)
+    memory: dict[tuple[str, int], Op] = field(default_factory=dict)
+    objects: dict[Op, str] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
-    values: dict[int, object] = field(default_factory=dict)
+    defined: set[int] = field(default_factory=set)
     flying: dict[int, list[_InFlight]] = field(default_factory=dict)
-    stack: dict[int, object] = field(default_factory=dict)
     arrived: dict[int, tuple[int, bool]] = field(default_factory=dict)
-    ports: dict[tuple[str, int], int] = field(default_factory=dict)
+    ports: set[tuple[str, int]] = field(default_factory=set)
     returns: int | None = None
     here: int = 0
 
+    def __post_init__(self) -> None:
+        self.registers = {index: self.graph.symbol(f"entry {Register(index)}") for index in range(64)}
+        self.objects = {self.registers[STACK_POINTER]: _STACK}
+        self.defined = set(_PRESERVED)
+        for index, (name, given) in zip(ARGUMENTS, self.given.items(), strict=False):
+            self.defined.add(index)
+            if isinstance(given, Op):
+                self.registers[index] = given
+            else:
+                self.objects[self.registers[index]] = name
+                self.memory |= {(name, WORD * k): word for k, word in enumerate(given)}
+
     def run(self, packets: Sequence[Packet]) -> list[Finding]:
-        self.values = {register: f"entry {register}" for register in _PRESERVED}
-        self.values[_STACK] = _Stack(0)
-        self.values |= {register: _Argument(register, 0) for register in ARGUMENTS[: self.parameters]}
-        cycle = 0
+        """Every broken rule."""
+        entry, cycle = dict(self.registers), 0
         for packet in packets:
             self.here = packet.address
             if self.returns is not None and cycle >= self.returns:
@@ -119,8 +128,7 @@ class _Inspection:
             if flying:
                 self._found("return", f"{Register(index)} is still to be written when the function has returned")
         for register in sorted(_PRESERVED):
-            wanted = _Stack(0) if register == _STACK else f"entry {register}"
-            if self.values.get(register) != wanted:
+            if self.registers[register] is not entry[register]:
                 self._found("convention", f"{Register(register)} does not have its value at entry")
         return self.findings
 
@@ -130,10 +138,8 @@ class _Inspection:
     def _land(self, cycle: int) -> None:
         for register, flying in self.flying.items():
             for each in [each for each in flying if each.arrives <= cycle]:
-                if each.guard is None or register not in self.values or isinstance(self.values[register], _Argument):
-                    self.values[register] = each.value
-                elif self.values[register] != each.value:
-                    self.values[register] = "either"
+                self.registers[register] = each.chosen(self.registers[register])
+                self.defined.add(register)
                 self.arrived[register] = each.arrives, each.load
                 flying.remove(each)
 
@@ -145,51 +151,52 @@ class _Inspection:
             if guard is not None:
                 if guard.register.index not in _GUARDS:
                     self._found("predicate", f"{guard.register} cannot be tested")
-                self._read(guard.register, cycle, False)
+                self._check(guard.register, cycle, False)
             for register in operands(action):
                 crosses = instruction.unit is not None and register.side != instruction.unit.side
-                self._read(register, cycle, crosses and not isinstance(action, Access))
-        defined = set(self.values) | {register for register, flying in self.flying.items() if flying}
-        for instruction, action in pairs:
+                self._check(register, cycle, crosses and not isinstance(action, Access))
+        defined = self.defined | {register for register, flying in self.flying.items() if flying}
+        for instruction, action in sorted(pairs, key=lambda pair: isinstance(pair[1], Store)):
             self._act(instruction, action, cycle)
         for index, flying in self.flying.items():
             if index not in defined and len(flying) == 1 and flying[0].guard is not None:
                 self._found("undefined", f"{Register(index)} is written under a condition and holds nothing otherwise")
 
-    def _read(self, register: Register, cycle: int, crosses: bool) -> None:
+    def _check(self, register: Register, cycle: int, crosses: bool) -> None:
         index = register.index
         if any(each.arrives > cycle for each in self.flying.get(index, [])):
             self._found("in flight", f"{register} is read while a result for it is on its way")
-        elif index not in self.values:
+        elif index not in self.defined:
             self._found("undefined", f"{register} is read before it is written")
         elif crosses and self.arrived.get(index) == (cycle, False):
             self._found("stall", f"{register} crosses in the cycle behind its write")
 
     def _act(self, instruction: Instruction, action: Action, cycle: int) -> None:
-        condition = instruction.predicate
-        guard = (condition.register.index, condition.when_zero) if condition else None
-        if isinstance(action, Access):
-            self._aligned(action)
+        predicate, guard = instruction.predicate, None
+        condition = self.graph.const(1)
+        if predicate is not None:
+            guard, condition = (predicate.register.index, predicate.when_zero), self.registers[predicate.register.index]
+            condition = self.graph.op("cmpeq", condition, self.graph.const(0)) if predicate.when_zero else condition
+
+        def chosen(value: Op) -> Callable[[Op], Op]:
+            return lambda old: self.graph.select(condition, value, old)
+
         match action:
             case Compute(destination=destination, delay=delay):
                 unit = instruction.unit
                 if unit is not None and unit.kind in "LSM":
-                    self._port(unit.name, cycle + delay, guard)
-                self._write(destination, cycle + delay + 1, self._computed(action), guard, False)
+                    if (unit.name, cycle + delay) in self.ports:
+                        self._found("write port", f"two results leave {unit.name} in one cycle")
+                    self.ports.add((unit.name, cycle + delay))
+                value = self._computed(action.mnemonic, [self._value(each) for each in action.sources])
+                self._write(destination, _InFlight(cycle + delay + 1, chosen(value), guard, False))
             case Load(registers=registers, delay=delay):
-                place = self._place(action)
-                for word, register in enumerate(registers):
-                    value = self.stack.get(place.offset + 4 * word, object()) if place is not None else object()
-                    self._write(register, cycle + delay + 1, value, guard, True)
+                for k, register in enumerate(registers):
+                    value = self._read(*self._place(action, k))
+                    self._write(register, _InFlight(cycle + delay + 1, chosen(value), guard, True))
             case Store(registers=registers):
-                place = self._place(action)
-                pointer = self.values.get(_STACK)
-                if place is not None:
-                    lowest = pointer.offset if isinstance(pointer, _Stack) else 0
-                    if not lowest < place.offset <= -action.size:
-                        self._found("stack", f"a store at {place.offset} from the stack pointer of the caller")
-                    for word, register in enumerate(registers):
-                        self.stack[place.offset + 4 * word] = self.values.get(register.index)
+                for k, register in enumerate(registers):
+                    self._store(*self._place(action, k), chosen(self.registers[register.index]))
             case Jump(target=target):
                 if not isinstance(target, Register) or target.index != _LINK or guard is not None:
                     self._found("return", "a branch that is not the return")
@@ -201,61 +208,84 @@ class _Inspection:
             case ReadControl() | WriteControl() | Return():
                 self._found("convention", "a control register in a function")
 
-    def _port(self, unit: str, cycle: int, guard: tuple[int, bool] | None) -> None:
-        key = unit, cycle
-        if key in self.ports:
-            self._found("write port", f"two results leave {unit} in one cycle")
-        self.ports[key] = cycle
-
-    def _write(
-        self, register: Register, arrives: int, value: object, guard: tuple[int, bool] | None, load: bool
-    ) -> None:
+    def _write(self, register: Register, result: _InFlight) -> None:
         flying = self.flying.setdefault(register.index, [])
         for each in flying:
-            opposite = guard is not None and each.guard == (guard[0], not guard[1]) and each.arrives == arrives
-            if not opposite:
+            opposite = result.guard is not None and each.guard == (result.guard[0], not result.guard[1])
+            if not opposite or each.arrives != result.arrives:
                 self._found("in flight", f"{register} is written while another result for it is on its way")
         if register.index == _LINK:
             self._found("convention", "the return address is written")
-        flying.append(_InFlight(arrives, value, guard, load))
+        flying.append(result)
 
-    def _computed(self, action: Compute) -> object:
-        """The value of an instruction, as far as it is followed: constants, copies, stack pointer, arguments."""
-        known = [self.values.get(each.index) if isinstance(each, Register) else each for each in action.sources]
-        if action.mnemonic == "addk" and isinstance(known[0], int) and isinstance(known[1], _Stack):
-            return _Stack(known[1].offset + signed(known[0]))
-        if action.mnemonic == "addk" and isinstance(known[1], int) and isinstance(known[0], _Stack):
-            return _Stack(known[0].offset + signed(known[1]))
-        if action.mnemonic in ("mvk", "mvkl") and len(known) == 1 and isinstance(known[0], int):
-            return signed(known[0])
-        if action.mnemonic in ("mv", "add", "or") and (0 in known or len(known) == 1):
-            other = [each for each in known if each != 0]
-            if len(other) == 1 and isinstance(other[0], _Stack | _Argument):
-                return other[0]
-        if action.mnemonic == "add" and len(known) == 2:
-            for base, distance in (known, reversed(known)):
-                if isinstance(base, _Argument) and isinstance(distance, int):
-                    return _Argument(base.register, base.offset + signed(distance))
-        return object()
+    def _value(self, operand: Register | int) -> Op:
+        return self.registers[operand.index] if isinstance(operand, Register) else self.graph.const(operand)
 
-    def _aligned(self, action: Access) -> None:
-        """64-bit accesses are to multiples of 8 from an argument, or to the stack."""
-        if action.alignment < 8:
-            return
-        base = self.values.get(action.memory.base.index)
-        offset = action.memory.offset
-        if not isinstance(base, _Argument | _Stack) or not isinstance(offset, int):
-            self._found("alignment", "64 bits at an address that is not known to be a multiple of 8")
-        elif (base.offset + offset * (action.size if action.memory.scaled else 1)) % 8:
-            self._found("alignment", "64 bits at an address that is not a multiple of 8")
+    def _computed(self, mnemonic: str, values: list[Op]) -> Op:
+        op, const = self.graph.op, self.graph.const
+        match mnemonic:
+            case "mvk":
+                return values[0]
+            case "sub" if values[1].kind == "const":
+                return op("add", values[0], const(-values[1].number))
+            case mnemonic if mnemonic in _SCALED:
+                return op("add", values[0], op("mpy32", values[1], const(_SCALED[mnemonic])))
+            case "andn":
+                return op("and", values[0], op("xor", values[1], const(MASK)))
+            case "clr" if all(value.kind == "const" for value in values[1:]):
+                return op("and", values[0], op("clr", const(MASK), *values[1:]))
+            case "extu":
+                return op("shru", op("shl", values[0], values[1]), values[2])
+            case mnemonic if mnemonic in COMPUTED or all(value.kind == "const" for value in values):
+                return op(mnemonic, *values)
+        return self._untraced(f"{mnemonic} is not traced")
 
-    def _place(self, action: Access) -> _Stack | None:
-        """The address of an access to the stack."""
-        base = self.values.get(action.memory.base.index)
-        offset = action.memory.offset
-        if not isinstance(base, _Stack):
-            return None
-        if not isinstance(offset, int) or action.memory.step:
-            self._found("stack", "an address on the stack that is not constant")
-            return None
-        return _Stack(base.offset + action.memory.sign * offset * (action.size if action.memory.scaled else 1))
+    def _untraced(self, text: str) -> Op:
+        """A value that nothing is known of."""
+        return self.graph.symbol(f"{text}: {self.graph.count}")
+
+    def _decomposed(self, *addresses: Op) -> tuple[str, int, Op | None]:
+        """Object, bytes from its start, and what is added to them, of a sum."""
+        pending, rest, number, name = list(addresses), [], 0, ""
+        while pending:
+            match pending.pop():
+                case Op(kind="add", args=args):
+                    pending += args
+                case Op(kind="const", number=further):
+                    number += signed(further)
+                case Op() as op if op in self.objects:
+                    name = self.objects[op]
+                case op:
+                    rest.append(op)
+        return name, number, functools.reduce(functools.partial(self.graph.op, "add"), rest) if rest else None
+
+    def _place(self, action: Access, word: int) -> tuple[str, int, Op | None]:
+        """`_decomposed` of the address of a word of an access."""
+        memory = action.memory
+        scale = memory.sign * (action.size if memory.scaled else 1)
+        offset = self.graph.op("mpy32", self._value(memory.offset), self.graph.const(scale))
+        name, number, rest = self._decomposed(self.registers[memory.base.index], offset)
+        if action.alignment >= 8 and not word:
+            if not name or rest:
+                self._found("alignment", "64 bits at an address that is not known to be a multiple of 8")
+            elif number % 8:
+                self._found("alignment", "64 bits at an address that is not a multiple of 8")
+        if name == _STACK:
+            if rest or memory.step:
+                self._found("stack", "an address on the stack that is not constant")
+            pointer = self._decomposed(self.registers[STACK_POINTER])
+            lowest = pointer[1] if pointer[0] == _STACK and not pointer[2] else 0
+            if isinstance(action, Store) and not word and not lowest < number <= -action.size:
+                self._found("stack", f"a store at {number} from the stack pointer of the caller")
+        elif memory.step or action.size < WORD:
+            self._untraced("an access of less than a word, or one that moves its base")
+        return name, number + WORD * word, rest
+
+    def _read(self, name: str, offset: int, distance: Op | None) -> Op:
+        if distance is None and name:
+            return self.memory.setdefault((name, offset), self.graph.symbol(f"unknown {name}{offset:+}"))
+        return self._untraced("a load")
+
+    def _store(self, name: str, offset: int, distance: Op | None, chosen: Callable[[Op], Op]) -> None:
+        if distance is None and name:
+            self.memory[name, offset] = chosen(self.memory.get((name, offset), self.graph.const(0)))

@@ -2,29 +2,27 @@
 
 The packets are those of the linked program. What a register or a word of memory holds is an operation of the graph in
 which the C was executed, and the words that both leave are compared as those of C and reference are: equal operations
-of equal operands, or equal by a solver. `checker.inspect` shows first that no register is read or written while a
-result for it is on its way, so that one order of the results counts. Together with the proof of the C, a kernel has
+of equal operands, or equal by a solver. `checker.Execution` shows beside that no register is read or written while
+a result for it is on its way, so that one order of the results counts. Together with the proof of the C, a kernel has
 the bits of the reference. Assumed are indices inside their arrays, as there, and pointers to objects that are apart.
 """
 
-import functools
 import importlib.util
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.checking.proof.translation import PREFIX, FunctionProof, Translation, state_ranges
-from hysgen.checking.symbolic.arrays import COMPUTED
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.equivalence import SAMPLES, Sweep
 from hysgen.checking.symbolic.from_c import Outcome, element, outcome, replaced
 from hysgen.checking.symbolic.memory import WORD, Place, size_of
-from hysgen.checking.symbolic.semantics import MASK, signed
+from hysgen.checking.symbolic.semantics import MASK
 from hysgen.checking.symbolic.solver import SOLVER
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen.manifest import MANIFEST
@@ -34,14 +32,10 @@ from hysgen.errors import BuildError
 from hysgen.model.model import Model
 from hysgen.model.structs import Word
 from hysgen_c674x import toolchain
-from hysgen_c674x.assembly import Instruction, Register
-from hysgen_c674x.decode import Access, Compute, Load, Store
-from hysgen_c674x.decode import Source as Operand
+from hysgen_c674x.decode import Access
 from hysgen_c674x.elf import ProgramImage
 from hysgen_c674x.footprint import c_texts
-from hysgen_c674x.packets import Packet
-from hysgen_c674x.processor import STACK_POINTER
-from hysgen_c674x.schedule.checker import ARGUMENTS, function_packets, inspect
+from hysgen_c674x.schedule.checker import Execution, function_packets
 
 _RESULT: Final = 4
 _SCALED: Final[Mapping[str, int]] = {"addk": 1, "addab": 1, "addah": 2, "addaw": 4, "addad": 8}
@@ -69,17 +63,16 @@ def _proof(source: Source, known: "_Words", program: toolchain.Firmware, functio
     begun, graph, name = time.monotonic(), Graph(), f"{source.name}_{function}"
     packets = function_packets(program.image, program.packets, name)
     parameters = source.functions[name].decl.type.args.params
-    broken = inspect(packets, len(parameters))
-    if broken:
-        return FunctionProof(function, refused=str(broken[0]))
     given: dict[str, Op | list[Op]] = {}
     for place, parameter in enumerate(parameters):
         paths = known.behind(source, parameter)
         given[parameter.name] = [graph.symbol(path) for path in paths] or graph.param(place)
     try:
         in_c = outcome(source, graph, name, list(given.values()))
-        run = _Run(graph, given, in_c, source, program.image)
-        run.execute(packets)
+        run = _Run(graph, given, in_c=in_c, source=source, image=program.image)
+        broken = run.run(packets)
+        if broken:
+            return FunctionProof(function, refused=str(broken[0]))
         before = {name: words for name, words in given.items() if isinstance(words, list)}
         pairs = [
             (word.name, run.memory[parameter, WORD * k], in_c.structs[parameter][k])
@@ -133,112 +126,25 @@ class _Words:
         return floats if op.name in self.ranges else np.where(np.arange(SAMPLES) % 2, floats, any_bits)
 
 
-@dataclass
-class _Run:
-    """Registers and memory during a kernel. given: the arguments, or the words behind them, by parameter."""
+@dataclass(kw_only=True)
+class _Run(Execution):
+    """The execution of a kernel in the words and tables of its C."""
 
-    graph: Graph
-    given: Mapping[str, Op | Sequence[Op]]
     in_c: Outcome
     source: Source
     image: ProgramImage
-    registers: dict[int, Op] = field(default_factory=dict)
-    memory: dict[tuple[str, int], Op] = field(default_factory=dict)
-    objects: dict[Op, str] = field(default_factory=dict)
-    landing: list[tuple[int, int, Callable[[Op], Op]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.registers = {index: self.graph.symbol(f"entry {Register(index)}") for index in range(64)}
-        self.objects = {self.registers[STACK_POINTER]: "stack"}
-        for index, (name, given) in zip(ARGUMENTS, self.given.items(), strict=False):
-            if isinstance(given, Op):
-                self.registers[index] = given
-            else:
-                self.objects[self.registers[index]] = name
-                self.memory |= {(name, WORD * k): word for k, word in enumerate(given)}
+        super().__post_init__()
         for name, (_, words) in self.source.tables.items():
             self.memory |= {(name, WORD * k): self.graph.const(word) for k, word in enumerate(words)}
 
-    def execute(self, packets: Sequence[Packet]) -> None:
-        cycle = 0
-        for packet in packets:
-            self._land(cycle)
-            pairs = list(zip(packet.instructions, packet.actions, strict=True))
-            for instruction, action in sorted(pairs, key=lambda pair: isinstance(pair[1], Store)):
-                self._start(instruction, action, cycle)
-            cycle += 1 + packet.idle
-        self._land(cycle + 1)
-
-    def _land(self, cycle: int) -> None:
-        for arrives, register, chosen in self.landing:
-            if arrives <= cycle:
-                self.registers[register] = chosen(self.registers[register])
-        self.landing = [each for each in self.landing if each[0] > cycle]
-
-    def _start(self, instruction: Instruction, action: Any, cycle: int) -> None:
-        guard = instruction.predicate
-        condition = self.graph.const(1) if guard is None else self.registers[guard.register.index]
-        if guard is not None and guard.when_zero:
-            condition = self.graph.op("cmpeq", condition, self.graph.const(0))
-
-        def chosen(value: Op) -> Callable[[Op], Op]:
-            return lambda old: self.graph.select(condition, value, old)
-
-        match action:
-            case Compute(mnemonic=mnemonic, sources=sources, destination=destination, delay=delay):
-                value = self._computed(mnemonic, [self._value(each) for each in sources])
-                self.landing.append((cycle + delay + 1, destination.index, chosen(value)))
-            case Load(registers=registers, delay=delay):
-                for k, register in enumerate(registers):
-                    self.landing.append((cycle + delay + 1, register.index, chosen(self._read(action, k))))
-            case Store(registers=registers):
-                for k, register in enumerate(registers):
-                    self._write(action, k, chosen(self.registers[register.index]))
-
-    def _value(self, operand: Operand) -> Op:
-        return self.registers[operand.index] if isinstance(operand, Register) else self.graph.const(operand)
-
-    def _computed(self, mnemonic: str, values: list[Op]) -> Op:
-        op, const = self.graph.op, self.graph.const
-        match mnemonic:
-            case "mvk":
-                return values[0]
-            case "sub" if values[1].kind == "const":
-                return op("add", values[0], const(-values[1].number))
-            case mnemonic if mnemonic in _SCALED:
-                return op("add", values[0], op("mpy32", values[1], const(_SCALED[mnemonic])))
-            case "andn":
-                return op("and", values[0], op("xor", values[1], const(MASK)))
-            case "clr" if all(value.kind == "const" for value in values[1:]):
-                return op("and", values[0], op("clr", const(MASK), *values[1:]))
-            case "extu":
-                return op("shru", op("shl", values[0], values[1]), values[2])
-            case mnemonic if mnemonic in COMPUTED or all(value.kind == "const" for value in values):
-                return op(mnemonic, *values)
-        raise KernelRefusalError(f"{mnemonic} is not traced")
+    def _untraced(self, text: str) -> Op:
+        raise KernelRefusalError(text)
 
     def _place(self, action: Access, word: int) -> tuple[str, int, Op | None]:
-        """Object, byte offset, and what is added to it, of a word of an access."""
-        memory = action.memory
-        if memory.step or action.size < WORD:
-            raise KernelRefusalError("an access of less than a word, or one that moves its base")
-        scale = memory.sign * (action.size if memory.scaled else 1)
-        offset = self.graph.op("mpy32", self._value(memory.offset), self.graph.const(scale))
-        pending, rest, number, name = [self.registers[memory.base.index], offset], [], WORD * word, ""
-        while pending:
-            match pending.pop():
-                case Op(kind="add", args=args):
-                    pending += args
-                case Op(kind="const", number=further):
-                    number += signed(further)
-                case Op() as op if op in self.objects:
-                    name = self.objects[op]
-                case op:
-                    rest.append(op)
-        if not name:
-            name, number = self._table(number, bool(rest))
-        add = functools.partial(self.graph.op, "add")
-        return name, number, functools.reduce(add, rest) if rest else None
+        name, number, rest = super()._place(action, word)
+        return (name, number, rest) if name else (*self._table(number, bool(rest)), rest)
 
     def _table(self, address: int, indexed: bool) -> tuple[str, int]:
         """Object and byte offset of a constant address: the table whose words are there, if it is indexed."""
@@ -261,18 +167,18 @@ class _Run:
                 return int.from_bytes(section.content[start : start + WORD], "little")
         raise KernelRefusalError(f"{address:#x}: no constant is there")
 
-    def _read(self, action: Access, word: int) -> Op:
-        name, offset, distance = self._place(action, word)
+    def _read(self, name: str, offset: int, distance: Op | None) -> Op:
         if distance is None:
             return self.memory.setdefault((name, offset), self.graph.symbol(f"unknown {name}{offset:+}"))
         array = self._array(name, offset)
         words = [self.memory[name, at] for at in range(array.low, array.high, WORD)]
         return element(self.graph, words, distance, offset - array.low)
 
-    def _write(self, action: Access, word: int, chosen: Callable[[Op], Op]) -> None:
-        name, offset, distance = self._place(action, word)
+    def _store(self, name: str, offset: int, distance: Op | None, chosen: Callable[[Op], Op]) -> None:
+        if not name:
+            raise KernelRefusalError(f"{offset:#x}: a store to a constant address")
         if distance is None:
-            self.memory[name, offset] = chosen(self.memory.get((name, offset), self.graph.const(0)))
+            super()._store(name, offset, None, chosen)
             return
         array = self._array(name, offset)
         places = [(name, at) for at in range(array.low, array.high, WORD)]
