@@ -15,6 +15,7 @@ from hysgen.model import float32_arithmetic
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
+from hysgen.model.path.limits import Saturation
 from hysgen.model.path.modes import Modes
 
 MODELS = [load_model("appendix_a"), load_model("appendix_b"), *map(smooth, (2, 4, 8, 12))]
@@ -26,7 +27,7 @@ def behind(*blocks: InputBlock) -> Model:
 
 _, SLEW, DELAY, HYSTERESIS, CREEP, MODES = path().blocks
 PATHS = [path(), diagnosed(), load_model("extended"), behind(relaxing()), behind(hysteresis(24), CREEP)]
-ALONE = [SLEW, DELAY, HYSTERESIS, hysteresis(6), relaxing(), CREEP, MODES]
+ALONE = [Saturation(high_V=110.1), SLEW, DELAY, HYSTERESIS, hysteresis(6), relaxing(), CREEP, MODES]
 
 
 def bound_um(model: Model) -> float:
@@ -70,7 +71,7 @@ def test_every_source_of_error_of_a_block_is_in_its_bound(block: InputBlock, mon
     for name in ("rounding.HALF_BIT", "path_rounding.HALF_BIT"):
         monkeypatch.setattr(f"hysgen.float32.reference.{name}", 0.0)
     monkeypatch.setattr(float32_arithmetic, "POWER_RELATIVE_ERROR", 0.0)
-    assert w_error(model) < found or block is MODES
+    assert w_error(model) < found or block in (ALONE[0], MODES)
     constant = Tape.constant
 
     def off(tape: Tape, exact: float, rounded: np.float32, size: float = 0.0) -> Enclosed:

@@ -51,6 +51,9 @@ class Real:
     def constant(self, exact: float, rounded: np.float32, size: float = 0.0) -> Number:
         return exact
 
+    def exact(self, value: float) -> Number:
+        return value
+
     def past(self, samples: int, x: Number) -> Number:
         return self._mirror.past(samples - 1).astype(np.float64) if samples else x
 
@@ -99,6 +102,9 @@ class Bounded:
         self._span, self.constant = span, tape.constant
         self._tape, self._relaxes = tape, isinstance(block, Hysteresis) and block.relaxes
 
+    def exact(self, value: float) -> Number:
+        return self._tape.number(_every(value, value))
+
     def past(self, samples: int, x: Enclosed) -> Number:
         return self.last() if samples else x
 
@@ -136,8 +142,7 @@ class Bounded:
         return way, [self._tape.number(_every(0.0, 2.0)) for _ in range(states)]
 
     def decayed(self, way: Enclosed, rate: Enclosed) -> Number:
-        ends = (self.constant(float(end), np.float32(end)) for end in (0, 1))
-        return self.limited(power_of_two(way * rate), *ends)  # type: ignore[arg-type]
+        return self.limited(power_of_two(way * rate), self.exact(0.0), self.exact(1.0))  # type: ignore[arg-type]
 
     def duhem(self, d: Enclosed, b: Enclosed, c: Enclosed) -> Number:
         """The rounding of x may turn the input: d then starts from the other side of the turn, and both are rounded."""
@@ -181,7 +186,7 @@ def output(block: InputBlock, x: Number, n: Numbers, Ts_s: float) -> Number:
 @output.register
 def _(block: Saturation, x: Number, n: Numbers, Ts_s: float) -> Number:
     low, high = (
-        n.constant(float(rounded) if level is None else level, rounded)
+        n.exact(float(rounded)) if level is None else n.constant(level, rounded)
         for level, (rounded,) in zip((block.low_V, block.high_V), block.constants(Ts_s).values(), strict=True)
     )
     return n.limited(x, low, high)
@@ -206,14 +211,15 @@ def _(block: Hysteresis, v: Number, n: Numbers, Ts_s: float) -> Number:
     number, series = block.numbers, block.series
     middle = n.constant(0.5 * (block.low_V + block.high_V), number.middle)
     per_half = n.constant(2.0 / (block.high_V - block.low_V), number.per_half)
-    unit = n.constant(1.0, np.float32(1.0))
-    x = n.flushed(n.limited((v - middle) * per_half, n.constant(-1.0, np.float32(-1.0)), unit))
+    unit = n.exact(1.0)
+    x = n.flushed(n.limited((v - middle) * per_half, n.exact(-1.0), unit))
     curve, powers = power_coefficients(series)
     size = float(2.0**block.curve_degree * (np.abs(series.curve).sum() + np.abs(series.plays).sum()))
     curved = series_value(x, [n.constant(*pair, size) for pair in zip(curve, number.curve[0, 0], strict=True)])
     sums, parts = [], []
     for j in reversed(range(block.plays)):
-        z = n.pulled(j, block.ends[j], x, n.constant(series.half_width[j], number.play[j, 0]))
+        # The end in float32 may lie a rounding further out.
+        z = n.pulled(j, (1.0 + 2.0**-20) * block.ends[j], x, n.constant(series.half_width[j], number.play[j, 0]))
         pairs = zip(powers[j, 1:], number.play[j, 1:], strict=True)
         sums.append(z * horner(z, [n.constant(*pair, size) for pair in pairs]))
     h: Number = curved + _sum(sums) if sums else curved

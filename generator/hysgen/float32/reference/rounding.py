@@ -97,7 +97,8 @@ class Tape:
         rounding: Floats | float = 0.0,
         known: Interval | None = None,
     ) -> Enclosed:
-        """A further number."""
+        """A further number: value is that without its rounding."""
+        value = Interval.over(value.low - rounding, value.high + rounding)
         self.numbers.append(Enclosed(self, len(self.numbers), value, operands, rounding, known))
         return self.numbers[-1]
 
@@ -132,9 +133,7 @@ class Enclosed:
         if key not in self.tape.done:
             if rounding is None:
                 rounding = np.ldexp(HALF_BIT, np.frexp(exact.size)[1] - 1) + UNDERFLOW
-            self.tape.done[key] = self.tape.number(
-                Interval.over(exact.low - rounding, exact.high + rounding), pairs, rounding
-            )
+            self.tape.done[key] = self.tape.number(exact, pairs, rounding)
         return self.tape.done[key]
 
     def __add__(self, other: Enclosed) -> Enclosed:
