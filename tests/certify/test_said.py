@@ -33,7 +33,6 @@ from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.simulate import simulate
-from hysgen.model.structs import Status
 
 SLOPES = HysteresisSlopes(least=0.5, largest=1.5, mean_um_per_V=0.08, proved=True)
 SOUND = Certificates(
@@ -176,28 +175,6 @@ def test_inside_its_range_the_restricted_model_is_the_same_model(rules: int) -> 
     runs = [simulate(model, drive, 3.0).y_um for model in (whole, part)]
     assert 0.8 < runs[0].min() < runs[0].max() < 4.0
     np.testing.assert_array_equal(*runs)
-
-
-def test_outside_its_range_it_answers_as_at_the_edge_and_says_so() -> None:
-    part = smooth(6).within((2.0, 4.0))
-    beyond, edge = (Instance(part, np.float32([y]), np.float32([30.0])) for y in (3.0, 3.0))
-    u = np.float32([30.0])
-    assert beyond.predict(np.float32([5.0]), u) == edge.predict(np.float32([4.0]), u)
-    assert beyond.status[0] == Status.Y_CLAMPED
-    step = [simulate(part, Drive(np.full(2, 30.0), part.Ts_s), y).y_um[1] for y in (5.0, 4.0)]
-    assert step[0] == step[1]
-
-
-def test_certificates_are_those_of_the_part_and_no_wider_than_those_of_the_whole() -> None:
-    whole, part = certify(smooth(6)), certify(smooth(6).within((2.0, 4.0), (0.0, 60.0)))
-    assert part.y_range_um == (2.0, 4.0)
-    assert whole.gain_lowest.bound <= part.gain_lowest.value < part.gain_highest.value <= whole.gain_highest.bound
-    assert part.slope.bound < whole.slope.bound
-    y = np.linspace(2.0, 4.0, 4001, dtype=np.float32)
-    at_0_V, at_64_V = (Instance(smooth(6), y, y).predict(y, np.full_like(y, u)) for u in (0.0, 64.0))
-    gain = (at_64_V.astype(np.float64) - at_0_V) / 64.0
-    # Two float32 predictions of up to 5 um, half a last bit each, over 64 V.
-    assert part.gain_lowest.bound - 2e-8 < gain.min() < gain.max() < part.gain_highest.bound + 2e-8
 
 
 @pytest.mark.slow

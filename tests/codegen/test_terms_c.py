@@ -14,6 +14,7 @@ from hysgen.float32.reference.instance import Instance
 from hysgen.model.disturbances import Term, channels_of
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.drift import Drift
+from hysgen.model.file import load_model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
@@ -135,3 +136,9 @@ def test_channels_are_named_in_the_order_of_the_c() -> None:
     header = generate(model)[f"{model.name}.h"]
     assert channels_of(model.terms) == ("temperature", "other drive [V]")
     assert " *     aux[0]  temperature\n *     aux[1]  other drive [V]\n" in header
+
+
+def test_a_model_without_extensions_says_nothing_of_them() -> None:
+    text = "".join(text for name, text in generate(load_model("appendix_a")).items() if name.endswith((".c", ".h")))
+    for word in ("terms", "_inputs_", "_aux(", "CHANNELS", "PREVIEW", "accumulate", "cosine_sine"):
+        assert word not in text

@@ -17,8 +17,11 @@ from hysgen.export.base import MODES, Mode
 from hysgen.export.check import Reference, inputs
 from hysgen.float32.struct_words import Commit
 from hysgen.machine.native import Library, build, default_toolchain
+from hysgen.model.disturbances import channels_of
 
 SAMPLES = 300
+CHANNELS = len(channels_of(model().terms))
+SINGLE, WORD = 1, 7
 EACH_MODE = pytest.mark.parametrize("mode", MODES, ids=lambda mode: mode.name)
 CALLS = """
 void started(SimStruct *S) { mdlInitializeConditions(S); }
@@ -63,6 +66,26 @@ def simulink(*parameters: float) -> Any:
     sfunction().lib.sized(S)
     sfunction().lib.timed(S)
     return S
+
+
+@EACH_MODE
+def test_ports_of_the_s_function_are_those_of_its_mode(mode: Mode) -> None:
+    S, learns = simulink(mode.number, 1.0, 30.0), mode.name == "learn"
+    widths = [*([1] if mode.name != "simulate" else []), 1, CHANNELS, *([1] if learns else [])]
+    ports = [getattr(S, "in")[i] for i in range(S.inputs)]
+    assert [port.width for port in ports] == widths
+    assert [port.type for port in ports] == [SINGLE] * (len(widths) - learns) + [WORD] * learns
+    assert all(port.contiguous == port.feedthrough == 1 for port in ports)
+    assert [(S.out[i].width, S.out[i].type) for i in range(S.outputs)] == [(1, SINGLE), (1, WORD), (1, WORD)][
+        : 2 + learns
+    ]
+    words = sfunction_words()
+    assert [(S.dwork[i].width, S.dwork[i].type) for i in range(S.dworks)] == [(words, WORD)] * 2
+    assert (S.sample_time, S.offset, S.parameters_expected, S.error) == (model().Ts_s, 0.0, 3, sfunction().ffi.NULL)
+
+
+def sfunction_words() -> int:
+    return int(getattr(shared().lib, f"{NAME}_shared_bytes")()) // 4
 
 
 def test_the_s_function_refuses_other_modes_and_waits_for_its_parameters() -> None:

@@ -8,7 +8,6 @@ import pytest
 import hysgen
 from hysgen.errors import ModelError
 from hysgen.model.model import Grid
-from hysgen.model.simulate import free_run
 from hysgen.record import Record
 
 K = np.arange(1800)
@@ -38,17 +37,6 @@ def test_the_free_run_does_not_depend_on_an_offset(memory: bool) -> None:
         assert rms_um == pytest.approx(at_zero_um, rel=0.05)
         assert model.grid.y_min_um == pytest.approx(level_um, abs=0.1)
         assert model.history["record"]["digest"] == record_at(level_um).rows(0, 1200).digest
-
-
-def test_a_raised_model_answers_that_much_higher() -> None:
-    record = record_at(0.0)
-    model = hysgen.fit(record, memory=True)
-    low = free_run(model, record)[0].y_um
-    high = free_run(model.raised(500.0), record.raised(500.0))[0].y_um
-    np.testing.assert_allclose(high - 500.0, low, atol=1e-9)
-    part = model.within((1.0, 3.0)).raised(500.0).grid
-    assert (part.y_min_um, part.y_max_um) == (501.0, 503.0)
-    np.testing.assert_allclose(part.centres_um, model.grid.centres_um + 500.0)
 
 
 def test_a_range_asked_for_stands_as_high_as_the_record() -> None:

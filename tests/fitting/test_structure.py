@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from hysgen.errors import FitError
 from hysgen.fitting.loop import _Task
-from hysgen.fitting.structure import _seen, _slopes, admitted_poles, identify_structure, pieces_of
+from hysgen.fitting.structure import _seen, _slopes, identify_structure, pieces_of
 from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING
 
 Floats = NDArray[np.float64]
@@ -96,14 +96,6 @@ def test_the_jacobian_is_the_derivative_of_the_free_run(periods: int) -> None:
         high, low = (_seen(piece, end[:2], end[2:].reshape(2, 2)) for end in ends)
         # Central differences of step 1e-6: 1e-12 of curvature, 1e-10 of rounding.
         assert slope == pytest.approx((high - low) / 2e-6, abs=1e-6 * float(np.abs(slope).max()))
-
-
-def test_poles_near_half_the_rate_have_decayed_soon_and_others_stay() -> None:
-    """Two light modes there that cancel in the excited band rang for thousands of rows from every start."""
-    edge, light = 0.9995 * np.exp(0.999j * np.pi), 0.998 * np.exp(0.5j)
-    moved, kept = admitted_poles(np.array([edge, light]))
-    assert abs(moved) ** 300 < 1e-3
-    assert kept == pytest.approx(light, rel=1e-12)
 
 
 @given(st.floats(-9.0, 2.0), st.floats(-1.0, 4.0))

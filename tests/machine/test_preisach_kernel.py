@@ -5,7 +5,7 @@ import pytest
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from hysgen.machine.kernels.operators import PreisachBasis, preisach_columns, preisach_path
+from hysgen.machine.kernels.operators import PreisachBasis, play_operators, preisach_columns, preisach_path
 from hysgen.model.path.hysteresis import FROZEN, RELAXED
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,16 @@ def _expected(v: Floats, z: Floats, basis: PreisachBasis) -> Floats:
     for p in range(1, 4):
         rows += list((chebyshev.chebval(z, np.eye(4)[p]) @ basis.hat).T)
     return np.stack(rows)
+
+
+@pytest.mark.parametrize(("plays", "samples"), SIZES)
+def test_columns_are_sums_of_polynomials_of_plays(plays: int, samples: int) -> None:
+    v, basis, start = _path(samples), _basis(plays), np.linspace(-0.1, 0.1, plays)
+    out = np.full((4 + 9, samples), np.nan)
+    preisach_columns(out, v, start, basis)
+    expected = _expected(v, play_operators(v, basis.half_width, start), basis)
+    # Recurrence and closed form of a polynomial of degree 4 differ by some roundings of the sum of 24 plays.
+    np.testing.assert_allclose(out, expected, rtol=0.0, atol=1e-13)
 
 
 @pytest.mark.parametrize(("plays", "samples"), SIZES)

@@ -99,13 +99,6 @@ def test_random_jumps_leave_less_than_what_sets_the_status_bit(source: Callable[
     assert worst <= TOLERANCE * block.image(Interval(block.low_V, block.high_V)).width
 
 
-def test_no_step_is_taken_for_what_rounding_leaves() -> None:
-    """100 um beside 0: the residual of h is roundings of 100 um, above the tolerance of a range of 3 um."""
-    block = shipped()
-    away = dataclasses.replace(block, curve_um=(100.0 + block.curve_um[0], *block.curve_um[1:]))
-    assert away.steps <= block.steps
-
-
 @by_block
 @pytest.mark.parametrize(("rate_Hz", "samples"), [(50_000.0, 200_000), (2_000.0, 100_000)])
 def test_the_inverse_follows_a_reference(block: Hysteresis, rate_Hz: float, samples: int) -> None:

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.hysteresis_blocks import BLOCKS, TS_S, Compiled, by_block, model_of, operator, voltages
+from fixtures.hysteresis_blocks import TS_S, Compiled, by_block, model_of, operator, voltages
 from fixtures.tools import need
 from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.codegen import generate
 from hysgen.model.float32_arithmetic import LEAST
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.path import block_from_json
 from hysgen.model.path.base import BlockBox
 from hysgen.model.path.hysteresis import Hysteresis
 
@@ -86,11 +85,6 @@ def test_a_box_that_is_too_small_is_not_proved(path: str, monkeypatch: pytest.Mo
     model, texts = small()
     verdict, _ = prove_call(model, texts, "predict", "finite")
     assert [alarm for alarm in verdict.alarms if path.split("[")[0] in alarm]
-
-
-def test_json_round_trip_is_exact() -> None:
-    for block in BLOCKS.values():
-        assert block_from_json(block.to_json()) == block
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """The model: partition, memberships, refusals, and the paper's appendices."""
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -117,11 +116,3 @@ def test_shipped_appendices_are_the_papers_tables(name: str) -> None:
     # sigma is the range, known to 1e-4 um, over five steps, and printed to 1e-4 um.
     assert abs(model.grid.step_um - PRINTED_SIGMA_UM[name]) < 0.7e-4
     assert (model.u_min_V, model.u_max_V, model.Ts_s) == (-20.0, 120.0, 2e-5)
-
-
-def test_a_model_that_is_changed_has_neither_scores_nor_certificates() -> None:
-    model = dataclasses.replace(load_model("appendix_a"), scores={"x": 1}, certificates={"y": 2})
-    w = model.w_range
-    for changed in (model.within(None, (40.0, 50.0)), model.behind_path, model.with_parameters(model.parameters + 1.0)):
-        assert (changed.scores, changed.certificates) == ({}, {})
-    assert (model.behind_path.u_min_V, model.behind_path.u_max_V) == (w.low, w.high)

@@ -63,14 +63,6 @@ def test_e_r_does_not_depend_on_the_zero_of_the_sensor_and_has_no_value_where_no
     json.dumps(found.to_json(), allow_nan=False)
 
 
-def test_percentages_of_a_cut_record_refer_to_the_stroke_of_the_whole_one() -> None:
-    """`hysgen score --rows` and `hysgen diagnose` state the same error as the same share of the stroke."""
-    whole = record_of(([0.0] * 6, [0.0, 8.0, 2.0, 3.0, 4.0, 3.0]))
-    found = score_prediction(whole.rows(2, 6), [np.array([2.0, 3.4, 4.0, 3.0])])
-    assert found.e_r_percent == pytest.approx(100 * 0.4 / 8.0)
-    assert found.of_span_percent == pytest.approx(100 * found.e_rms_um / 8.0)
-
-
 def test_a_score_shows_one_step_horizon_and_free_run_beside_persistence() -> None:
     record = lag_record(samples=3000, segments=2)
     model = fit(record, FitSettings(method="batch"))

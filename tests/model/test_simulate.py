@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 
 from fixtures.random_models import TS_S, lag_record, random_drive, random_model
 from hysgen.errors import RecordError
-from hysgen.machine.kernels.run import rule_rows
 from hysgen.model.disturbances import Drive
 from hysgen.model.disturbances.drift import Drift
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.limits import Saturation
-from hysgen.model.regression import memberships, regression_rows, rule_regressors, structure_of
+from hysgen.model.regression import memberships, regression_rows, structure_of
 from hysgen.model.simulate import default_horizons, free_run, horizon_curve, one_step, simulate
 from hysgen.record import Record, Segment
 
@@ -81,17 +80,6 @@ def test_one_step_kernel_is_the_loop_over_the_equations(seed: int, rules: int, d
     assert run.y_clamped == np.count_nonzero((y[:-1] < model.grid.y_min_um) | (y[:-1] > model.grid.y_max_um))
 
 
-def test_the_window_of_nineteen_rules_drops_nothing_that_float64_can_see() -> None:
-    grid = Grid(-3.0, 7.0, 60)
-    y = np.linspace(-3.5, 7.5, 5001)
-    rows = np.empty((y.size, 180))
-    rule_rows((grid.y_min_um, grid.y_max_um, grid.step_um, grid.y_min_um), 60, y, np.ones_like(y), rows)
-    # rules.h drops 6e-20 of the nearest rule. (y - y_min)/h, up to 60, is rounded by 7e-15, which enters the exponent,
-    # and the regressor is y, up to 7 um, times p.
-    np.testing.assert_allclose(rows, rule_regressors(y, np.ones_like(y), grid), atol=1e-13, rtol=0)
-    np.testing.assert_allclose(rows[:, 2::3].sum(axis=1), 1.0, atol=1e-14, rtol=0)
-
-
 def test_regression_rows_times_parameters_are_the_one_step_predictions() -> None:
     model = random_model(3, terms=DISTURBED)
     record = lag_record(samples=400, segments=2)
@@ -128,20 +116,6 @@ def test_inputs_outside_the_range_are_clamped_and_counted_and_blocks_come_after(
     same = simulate(saturated, Drive(u, TS_S), float(record.segments[0].y_um[0]))
     np.testing.assert_array_equal(same.y_um, run.y_um)
     assert same.u_clamped == run.u_clamped
-
-
-@pytest.mark.parametrize("cut", [37, 250])
-def test_samples_outside_the_range_are_counted_after_the_past(cut: int) -> None:
-    model = dataclasses.replace(random_model(5, wild=0.05), u_min_V=30.0, u_max_V=60.0)
-    grid = model.grid.within(model.grid.centres_um[2], model.grid.centres_um[3])
-    model = dataclasses.replace(model, grid=grid)
-    u = random_drive(500, 1)
-    y = np.random.default_rng(1).uniform(grid.y_min_um - 1.0, grid.y_max_um + 1.0, 500)
-    part = Record.from_segments([Segment("0", u, y)], TS_S).rows(cut, 500)
-    free = free_run(model, Record.from_segments([Segment("0", u, y)], TS_S))[0]
-    for run, late in ((free_run(model, part)[0], free.y_um[cut:]), (one_step(model, part)[0], y[cut:-1])):
-        assert run.y_clamped == np.count_nonzero((late < grid.y_min_um) | (late > grid.y_max_um)) > 0
-        assert run.u_clamped == np.count_nonzero((u[cut:] < 30) | (u[cut:] > 60)) > 0
 
 
 def test_horizon_curve_is_the_error_of_short_free_runs() -> None:

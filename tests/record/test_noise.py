@@ -64,13 +64,6 @@ def test_noise_from_differences_is_their_mean_square_over_all_segments() -> None
     assert found.rms_um == pytest.approx(math.sqrt(square / 90), rel=1e-9)
 
 
-@pytest.mark.parametrize(("samples", "method"), [(135, "differences"), (136, "plateaus")])
-def test_an_estimate_needs_a_hundred_degrees_of_freedom(samples: int, method: str) -> None:
-    """Of 136 samples at rest 33 are left out, and a parabola takes three: 100 are left."""
-    u_V = np.concatenate([np.full(samples, 3.0), np.linspace(4.0, 9.0, 30)])
-    assert noise_floor(record_of((u_V, RNG.normal(size=u_V.size)))).method == method
-
-
 def test_noise_of_a_residual_is_the_median_over_plateaus_that_have_come_to_rest() -> None:
     lag_s, skipped = 2e-3, 24  # twelve time constants of two samples
     u_V = np.repeat([0.0, 5.0, 2.0, 7.0], [140, 120, 39, 100])
@@ -125,12 +118,6 @@ def test_white_noise_is_the_scale_of_differences_over_that_of_noise() -> None:
     density = np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
     inside = np.abs(z) <= 1.6448536269514722
     assert pytest.approx(float((z * z * density)[inside].sum() / density[inside].sum()), rel=2e-4) == 0.62302
-
-
-def test_a_long_residual_is_trimmed_and_a_short_one_has_its_median() -> None:
-    coarse = np.round(np.random.default_rng(2).normal(size=8003))
-    assert residual_noise(coarse[:8002]) == white_noise(coarse[:8002], 2, "median")
-    assert residual_noise(coarse) == white_noise(coarse, 2, "trimmed")
 
 
 def test_properties_of_a_series_by_hand() -> None:

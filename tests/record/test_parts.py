@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from hysgen.errors import RecordError
 from hysgen.record import Record, Segment
 
 RNG = np.random.default_rng(11)
@@ -27,13 +26,6 @@ def test_split_keeps_every_row_in_order_and_cuts_segments_only_there(row: int) -
     assert (first.samples, second.samples) == (row, 57 - row)
     ends = np.cumsum([one.samples for one in (*first.segments, *second.segments)])
     assert set(ends) == {20, 50, 57} | {row}
-
-
-def test_fraction_splits_at_the_nearest_row() -> None:
-    assert WHOLE.split(0.7)[0].samples == 40
-    for fraction in (0.0, 1.0, -0.1, float("nan")):
-        with pytest.raises(RecordError, match="between 0 and 1"):
-            WHOLE.split(fraction)
 
 
 def test_digest_changes_with_a_bit_a_cut_a_period_and_a_name_and_with_nothing_else() -> None:
@@ -75,16 +67,3 @@ def test_joining_keeps_common_channels_and_warns_about_the_others() -> None:
     joined = Record.joined(record(9, a=a, b=b), record(9, b=b))
     assert joined.aux_names == ("b",)
     assert joined.warnings == ("arrays: channel a is left out because segment 0 lacks it; add it there to use it",)
-
-
-def test_joining_different_periods_is_refused() -> None:
-    with pytest.raises(RecordError, match=r"sampled every 0\.002 s, but arrays every 0\.001 s; resample"):
-        Record.joined(record(9), record(9, Ts_s=2e-3))
-    assert len(Record.joined(record(9), record(9, Ts_s=1e-3 * (1 + 1e-6))).segments) == 2
-
-
-def test_segment_refuses_channels_of_other_length() -> None:
-    with pytest.raises(RecordError, match="segment up: displacement_um has 8 samples, voltage_V has 9"):
-        Segment("up", np.zeros(9), np.zeros(8))
-    with pytest.raises(RecordError, match="segment up: t has 3 samples, voltage_V has 9"):
-        Segment("up", np.zeros(9), np.zeros(9), {"t": np.zeros(3)})

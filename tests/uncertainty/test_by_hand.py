@@ -135,22 +135,11 @@ def test_repeatability_of_a_small_record_by_hand() -> None:
     assert repeatability(stepped([0.0, 1.0, 0.0], [0.0, 1.0, 0.2])) == Repeatability(None, 0, 3)
 
 
-def test_levels_that_differ_by_less_than_a_thousandth_of_the_range_are_one() -> None:
-    places = [0.0, 1.0, 0.1, 1.1, 0.2]
-    assert repeatability(stepped([0.0, 10.0, 0.004, 10.004, 0.0], places)).freedom == 2
-    assert repeatability(stepped([0.0, 10.0, 0.012, 10.012, 0.0], places)).freedom == 0
-
-
 def test_a_hold_lasts_ten_milliseconds_and_sixteen_samples() -> None:
     for samples, Ts_s, counted in ((15, 1e-3, False), (16, 1e-3, True), (99, 1e-4, False), (100, 1e-4, True)):
         u_V = np.concatenate([np.full(samples, 1.0), np.linspace(2.0, 3.0, 20)])
         found = holds(Record.from_segments([Segment("0", u_V, 0.1 * u_V)], Ts_s))
         assert [hold.u_V for hold in found] == ([1.0] if counted else [])
-
-
-def test_a_hold_in_a_segment_of_its_own_has_no_hold_before() -> None:
-    record = Record.joined(stepped([1.0, 2.0], [0.0, 1.0]), stepped([3.0, 4.0], [0.0, 1.0]))
-    assert [(hold.u_V, hold.from_V) for hold in holds(record)] == [(1.0, None), (2.0, 1.0), (3.0, None), (4.0, 3.0)]
 
 
 PLAIN = Evidence(

@@ -161,15 +161,6 @@ def test_shares_are_the_plant_with_and_without_the_effect() -> None:
     np.testing.assert_allclose(up, down, atol=1e-12)
 
 
-def test_a_share_is_that_of_the_rows_that_count() -> None:
-    """The voltage exceeds the level in the second half only."""
-    u_V = drive(4000) * np.repeat([0.4, 1.0], 2000)
-    level_V = 0.5 * float(u_V.max())
-    measured = run(Stage.nominal().with_effects(saturation=(-20.0, level_V)), u_V, TS_S)
-    assert effect_shares(measured, np.arange(2000))["saturation"] == 0.0
-    assert effect_shares(measured, np.arange(2000, 4000))["saturation"] > 0.1
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
