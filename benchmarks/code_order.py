@@ -22,16 +22,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.model.file import load_model
+from hysgen.firmware.binding import firmware_model
 from hysgen.model.model import Model
 from hysgen_c674x.caches import L1P_LINE, L1P_SETS, program_lines
 from hysgen_c674x.firmware.simulated import compile_image
 from hysgen_c674x.firmware.target import link_image
-from hysgen_c674x.firmware.timing import LEARN, TRIM, periods
+from hysgen_c674x.firmware.timing import LEARN, LOOP, periods
 from hysgen_c674x.processor import AccessKind, Trace
 from hysgen_c674x.schedule.folder import kernels, with_kernels
 from hysgen_c674x.toolchain import Firmware
+from hysgen_lab.firmware.reference_models import firmware_models
 
 SCRIPT = Path(__file__).resolve().parents[1] / "firmware" / "board" / "c6748" / "c6748.ld"
 FIRST = 0x1180_4400 // L1P_LINE
@@ -96,7 +96,7 @@ def fetches(model: Model, built: Firmware) -> tuple[dict[str, int], list[Fetches
     for symbol in functions.values():
         if not symbol.name.startswith("hysgen_simulated_"):
             owner |= {symbol.address // L1P_LINE + i: (symbol.name, i) for i in range(lines(symbol.size))}
-    kept = deque(periods(model, built.machine(), TRIM | LEARN, idle=True), maxlen=PERIODS)
+    kept = deque(periods(model, built.machine(), LOOP | LEARN, idle=True), maxlen=PERIODS)
 
     def of(trace: Trace) -> Fetches:
         words = trace.words[: trace.count]
@@ -110,8 +110,7 @@ def fetches(model: Model, built: Firmware) -> tuple[dict[str, int], list[Fetches
 
 def cases(name: str, scheduled: bool) -> Iterator[Case]:
     """The images of a reference model with the learner; scheduled: with the kernels."""
-    plain = load_model(name)
-    model = plain if plain.learner is not None else with_learner(plain)
+    (model,) = (each for each in firmware_models() if each.name == name)
     texts = firmware_model(model, aligned=scheduled)
     if scheduled:
         texts = with_kernels(name, texts, kernels(name, texts))

@@ -11,11 +11,11 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.model.file import load_model
+from hysgen.firmware.binding import firmware_model
 from hysgen_c674x.caches import Misses
 from hysgen_c674x.firmware.timing import BUDGET, TIMING_HEADS, Timing, image_cost, timing_rows
 from hysgen_c674x.schedule.folder import kernels, with_kernels
+from hysgen_lab.firmware.reference_models import firmware_models
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "firmware_results.md"
 SAMPLES = 12_000
@@ -27,8 +27,7 @@ FUNCTIONS = ("inverse", "learn_init", "learn", "commit")
 
 def cost(name: str, scheduled: bool) -> dict[str, Any]:
     """What `hysgen firmware` says of an image with the learner, as JSON."""
-    plain = load_model(name)
-    model = plain if plain.learner is not None else with_learner(plain)
+    (model,) = (each for each in firmware_models() if each.name == name)
     texts = firmware_model(model, aligned=scheduled)
     if scheduled:
         texts = with_kernels(name, texts, kernels(name, texts))

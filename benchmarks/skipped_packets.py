@@ -18,16 +18,16 @@ from dataclasses import replace
 import numpy as np
 
 from hysgen.errors import TargetError
-from hysgen.firmware.binding import CONTROLLER, SIMULATOR_BOARD, firmware_model, read_sources, with_learner
+from hysgen.firmware.binding import CONTROLLER, SIMULATOR_BOARD, firmware_model, read_sources
 from hysgen.firmware.host import State
 from hysgen.firmware.image import Label, encode
 from hysgen.firmware.wire import image_frames
-from hysgen.model.file import load_model
 from hysgen_c674x.firmware.simulated import virtual_stage
 from hysgen_c674x.firmware.target import compile_placed
 from hysgen_c674x.footprint import c_texts
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import NEVER, AccessKind
+from hysgen_lab.firmware.reference_models import firmware_models
 
 LOW_V, HIGH_V = -1.0, 55.0
 """Limits inside those of the converters, and close to the voltages of the way: the loop's highest is 54 V."""
@@ -96,8 +96,10 @@ uint32_t codes_beyond(void) {{ return beyond; }}
 uint32_t driven(void);
 uint32_t driven(void)
 {{
-    const model_t *model = &simulated.controller.model;
-    return (simulated.controller.state == CONTROLLER_LOOP) ? hysgen_bank_check(&model->bank[model->active]) : 0u;
+    bank_t taken;
+
+    hysgen_bank_take(&taken, &simulated.controller.model);
+    return (simulated.controller.state == CONTROLLER_LOOP) ? hysgen_bank_check(&taken) : 0u;
 }}
 uint32_t counter(void);
 uint32_t counter(void) {{ return simulated.store.counter; }}
@@ -111,7 +113,7 @@ void ask(void);
 void ask(void) {{ simulated.controller.request = CONTROLLER_START; }}
 """
 
-MODEL = with_learner(load_model("appendix_a"))
+MODEL = firmware_models()[0]
 
 
 def machine(further: Mapping[str, str] | None = None) -> Machine:

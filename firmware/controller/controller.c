@@ -1,6 +1,5 @@
 #include "controller.h"
 
-#include "bank.h"
 #include "board.h"
 #include "number.h"
 
@@ -34,6 +33,13 @@ static void controller_restart_trace(controller_t *self)
 {
     self->trace.count = 0u;
     self->trace.end = UINT32_MAX;
+}
+
+/* The parameters that drive the model are those of the next start. */
+static void controller_take_bank(controller_t *self)
+{
+    hysgen_bank_take(&self->bank, &self->model);
+    self->bank_check = hysgen_bank_check(&self->bank);
 }
 
 void hysgen_controller_init(controller_t *self, const settings_t *settings, float rest_V)
@@ -77,22 +83,20 @@ void hysgen_controller_init(controller_t *self, const settings_t *settings, floa
     self->oldest = 0u;
     self->samples = 0u;
     hysgen_watchdog_init(&self->watchdog, settings);
-    hysgen_trim_init(&self->trim);
     controller_restart_trace(self);
     model_init(&self->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
     model_learn_init(&self->learner, &self->model);
-    bank_copy(&self->bank, &self->model.bank[self->model.active]);
-    self->bank_check = hysgen_bank_check(&self->model.bank[self->model.active]);
+    controller_take_bank(self);
 }
 
-uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank, uint32_t check)
+uint32_t hysgen_controller_install(controller_t *self, const bank_t *bank, uint32_t check)
 {
     const controller_state_t state = self->state;
 
     if ((state != CONTROLLER_OFF) && (state != CONTROLLER_TRIP) && (state != CONTROLLER_TRIPPED)) {
         return 0u;
     }
-    bank_copy(&self->bank, bank);
+    hysgen_bank_copy(&self->bank, bank);
     self->bank_check = check;
     return 1u;
 }
@@ -103,11 +107,9 @@ static void controller_begin(controller_t *self)
 {
     model_init(&self->model, self->watchdog.reading_um, self->output_V);
     model_limits(&self->model, self->settings->low_V, self->settings->high_V, self->settings->step_V);
-    bank_copy(&self->model.bank[0], &self->bank);
-    bank_copy(&self->model.bank[1], &self->bank);
+    hysgen_bank_drive(&self->model, &self->bank);
     model_init(&self->witness, self->watchdog.reading_um, self->output_V);
-    bank_copy(&self->witness.bank[self->witness.active], &self->bank);
-    hysgen_trim_init(&self->trim);
+    hysgen_bank_drive(&self->witness, &self->bank);
     self->upward = 1u;
     self->begun = 1u;
     self->held = 0u;
@@ -153,38 +155,24 @@ static void controller_take_request(controller_t *self)
     }
 }
 
-/* A displacement of the stage, limited to the model's range behind the offset. */
-static float controller_in_range(const controller_t *self, float y_um)
-{
-    return number_limited(y_um, MODEL_Y_MIN_UM + self->offset_um, MODEL_Y_MAX_UM + self->offset_um);
-}
-
-/* Reference for the inverse: finite (else the last one), inside the range, changed by at most `step`. */
-static float controller_reference(controller_t *self, float reference_um, float step)
+/* Reference for the inverse: finite (else the last one), inside the range, changed by at most `step`. reached: 1 if by all that is left. */
+static float controller_reference(controller_t *self, float reference_um, float step, uint32_t *reached)
 {
     float within;
+    float next_um;
 
     if (number_finite(reference_um) == 0u) {
         self->status |= STATUS_REFERENCE_INVALID;
     } else {
         self->wanted_um = reference_um;
     }
-    within = controller_in_range(self, self->wanted_um);
+    within = number_limited(self->wanted_um, MODEL_Y_MIN_UM + self->offset_um, MODEL_Y_MAX_UM + self->offset_um);
     if (within != self->wanted_um) {
         self->status |= STATUS_REFERENCE_LIMITED;
     }
-    return controller_towards(self->reference_um, within, step);
-}
-
-/* Displacement against what the output can reach: 1 if the output cannot raise it, -1 if it cannot lower it, 0 else.
- * The limits are the narrower of the model's and the settings'; the sign of the gain says which end raises. */
-static int32_t controller_at_limit(const controller_t *self)
-{
-    const float high_V = (self->settings->high_V < MODEL_U_MAX_V) ? self->settings->high_V : MODEL_U_MAX_V;
-    const float low_V = (self->settings->low_V > MODEL_U_MIN_V) ? self->settings->low_V : MODEL_U_MIN_V;
-    const int32_t end = (int32_t)(self->output_V >= high_V) - (int32_t)(self->output_V <= low_V);
-
-    return (MODEL_GAIN_SIGN > 0.0f) ? end : -end;
+    next_um = controller_towards(self->reference_um, within, step);
+    *reached = (uint32_t)(next_um == within);
+    return next_um;
 }
 
 /* Status of a voltage that the inverse found inside the limits: it rests at one of them, or moves as fast as it may. */
@@ -197,12 +185,12 @@ static uint32_t controller_limits_reached(const controller_t *self, float u_V)
     return (ends * STATUS_OUTPUT_LIMITED) | (fast * STATUS_OUTPUT_SLEWED);
 }
 
-/* Feed-forward through the inverse, Eq. (11), with trim and learning as the settings have them. The reading is held against what the
- * parameters of START say of the voltage that was put out: neither trim nor learning can follow a sensor that fails. */
+/* Feed-forward through the inverse, Eq. (11), with feedback, of a model that has one, and learning as the settings have them. What the feedback
+ * adds to the reference passes through the model, whose memory sees the voltage that the stage sees. The reading is held against what the
+ * parameters of START say of the voltage that was put out: neither feedback nor learning can follow a sensor that fails. */
 static float controller_follow(controller_t *self, float reference_um)
 {
     const settings_t *settings = self->settings;
-    const float y_um = self->watchdog.reading_um;
     const uint32_t now = self->oldest;
     const uint32_t learns = (uint32_t)((settings->options & SETTINGS_LEARN) != 0u);
     float correction = 0.0f;
@@ -211,12 +199,12 @@ static float controller_follow(controller_t *self, float reference_um)
 
     status = hysgen_watchdog_follow(
         &self->watchdog, (learns != 0u) ? self->start_um + self->offset_um : self->expected_um[now]);
-    if ((settings->options & SETTINGS_TRIM) != 0u) {
-        if (hysgen_trim_step(&self->trim, settings, self->asked_um[now] - y_um, controller_at_limit(self)) != 0u) {
-            status |= STATUS_TRIM_LIMITED;
-        }
-        correction = self->trim.correction_um;
+#ifdef MODEL_LOOP_LIMIT_UM
+    if ((settings->options & SETTINGS_LOOP) != 0u) {
+        correction = model_correct(&self->model, self->asked_um[now] - self->watchdog.reading_um);
+        status |= (number_size(correction) >= MODEL_LOOP_LIMIT_UM) ? STATUS_LOOP_LIMITED : 0u;
     }
+#endif
     u_V = model_inverse(&self->model, self->model.y_um, reference_um - self->offset_um + correction);
     status |= (self->model.status != 0u) ? STATUS_MODEL : 0u;
     self->status |= status | controller_limits_reached(self, u_V);
@@ -260,11 +248,13 @@ static float controller_loop(controller_t *self)
     const float middle_V = 0.5f * (settings->loop_low_V + settings->loop_high_V);
     const float target_V = (self->upward != 0u) ? settings->loop_high_V : middle_V;
     const float u_V = controller_towards(self->output_V, target_V, settings->ramp_V);
+    bank_t taken;
 
     if (u_V == target_V) {
         if (self->upward != 0u) {
             self->upward = 0u;
-            if (hysgen_bank_check(&self->model.bank[self->model.active]) != self->bank_check) {
+            hysgen_bank_take(&taken, &self->model);
+            if (hysgen_bank_check(&taken) != self->bank_check) {
                 self->status |= STATUS_FAULT_MEMORY;
             }
             self->top_um = self->watchdog.reading_um;
@@ -331,6 +321,7 @@ static float controller_voltage(controller_t *self, float reference_um)
 {
     const settings_t *settings = self->settings;
     float u_V = settings->off_V;
+    uint32_t reached;
     float next_um;
 
     switch (self->state) {
@@ -368,25 +359,22 @@ static float controller_voltage(controller_t *self, float reference_um)
         }
         break;
     case CONTROLLER_APPROACH:
-        next_um = controller_reference(self, reference_um, CONTROLLER_UM_PER_V * settings->ramp_V);
+        next_um = controller_reference(self, reference_um, CONTROLLER_UM_PER_V * settings->ramp_V, &reached);
         u_V = controller_follow(self, next_um);
-        if (next_um == controller_in_range(self, self->wanted_um)) {
+        if (reached != 0u) {
             self->state = CONTROLLER_TRACK;
         }
         break;
     case CONTROLLER_TRACK:
-        next_um = controller_reference(self, reference_um, settings->reference_step_um);
-        if (next_um != controller_in_range(self, self->wanted_um)) {
-            self->status |= STATUS_REFERENCE_SLEWED;
-        }
+        next_um = controller_reference(self, reference_um, settings->reference_step_um, &reached);
+        self->status |= (reached == 0u) ? STATUS_REFERENCE_SLEWED : 0u;
         u_V = controller_follow(self, next_um);
         break;
     case CONTROLLER_FALL:
         u_V = controller_towards(self->output_V, settings->off_V, settings->ramp_V);
         if (u_V == settings->off_V) {
             if (((settings->options & SETTINGS_KEEP) != 0u) && (self->begun != 0u)) {
-                bank_copy(&self->bank, &self->model.bank[self->model.active]);
-                self->bank_check = hysgen_bank_check(&self->model.bank[self->model.active]);
+                controller_take_bank(self);
             }
             self->state = CONTROLLER_OFF;
         }
@@ -425,15 +413,16 @@ static void controller_limit_time(controller_t *self, controller_state_t before)
 /* BOARD_AMPLIFIER_ bits of this sample: of no meaning while the amplifier is off, and waited for in POWER. */
 static void controller_watch_amplifier(controller_t *self, uint32_t amplifier)
 {
-    if (((amplifier & BOARD_STOPPED) != 0u) && (hysgen_controller_drives(self) != 0u) && (self->state != CONTROLLER_TRIP)) {
+    if (hysgen_controller_drives(self) == 0u) {
+        return;
+    }
+    if (((amplifier & BOARD_STOPPED) != 0u) && (self->state != CONTROLLER_TRIP)) {
         self->state = CONTROLLER_FALL;
     }
     if (self->state == CONTROLLER_POWER) {
         self->powered = (amplifier == 0u) ? self->powered + 1u : 0u;
-    } else if (hysgen_controller_drives(self) != 0u) {
-        self->status |= hysgen_watchdog_amplifier(&self->watchdog, amplifier);
     } else {
-        /* Off. */
+        self->status |= hysgen_watchdog_amplifier(&self->watchdog, amplifier);
     }
 }
 

@@ -20,13 +20,13 @@
 
 #include <stdint.h>
 
+#include "bank.h"
 #include "linkage.h"
 #include "model.h"
 #include "play.h"
 #include "settings.h"
 #include "status.h"
 #include "trace.h"
-#include "trim.h"
 #include "watchdog.h"
 
 LINKAGE_BEGIN
@@ -85,18 +85,17 @@ typedef struct {
     float hold_share;        /* 1 / hold_mean */
     float held_um;           /* sum of these displacements */
     float output_V;          /* voltage that was put out last */
-    float reference_um;      /* reference that the inverse was asked for last, without trim */
+    float reference_um;      /* reference that the inverse was asked for last, without feedback */
     float wanted_um;         /* last reference of the caller that was one */
     float asked_um[CONTROLLER_LINE];     /* references on their way to the present, oldest at `oldest` */
     float expected_um[CONTROLLER_LINE];  /* displacements of the stage by the model for the samples in between */
     uint32_t oldest;
     watchdog_t watchdog;
     trace_t trace;           /* of the samples around the first fault */
-    trim_t trim;
     model_t model;
     model_t witness;         /* with learning: the model as it was at START, under the voltage that is put out */
     model_learner_t learner;
-    model_bank_t bank;       /* parameters that every start begins with, */
+    bank_t bank;             /* parameters that every start begins with, */
     uint32_t bank_check;     /* and their check word, which START compares with the parameters that it takes */
 } controller_t;
 
@@ -124,7 +123,7 @@ void hysgen_controller_time(controller_t *self, uint32_t cycles, uint32_t overru
 
 /* Parameters for the next start, and the check word of those that were meant; only in OFF, TRIP and TRIPPED. Returns 1 if taken. Set `installing` around the call, so that no
  * start begins inside it. */
-uint32_t hysgen_controller_install(controller_t *self, const model_bank_t *bank, uint32_t check);
+uint32_t hysgen_controller_install(controller_t *self, const bank_t *bank, uint32_t check);
 
 LINKAGE_END
 

@@ -27,7 +27,7 @@ static void firmware_keep(board_t *board, uint32_t fault)
 void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
     const settings_t *used = &self->settings;
-    model_bank_t bank;
+    bank_t bank;
 
     self->received = 0u;
     self->image_arrives = 0u;
@@ -442,9 +442,9 @@ static void firmware_line(firmware_t *self, board_t *board)
 /* Certification and store take milliseconds and touch nothing that the interrupt uses; taking over is one copy. */
 static void firmware_take_image(firmware_t *self, board_t *board)
 {
-    model_bank_t bank;
+    bank_t bank;
 
-    bank_copy(&bank, &self->controller.bank);
+    hysgen_bank_copy(&bank, &self->controller.bank);
     self->image_pending = 0u;
     for (uint32_t i = 0u; i < IMAGE_BYTES; ++i) {
         self->store.bytes[i] = self->incoming[i];

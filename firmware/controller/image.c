@@ -13,6 +13,9 @@
 /* Calls of the model's commit: one snapshot, the check points, no trial of what learnt from no sample, writing, switching. */
 #define IMAGE_MOST_CALLS (MODEL_COMMIT_POINTS + 4u)
 
+/* Integral of the feedback against that of the build: half of the 6 dB that `hysgen loop` leaves it. */
+#define IMAGE_LOOP 1.4f
+
 static const uint32_t image_digest[4] = MODEL_DIGEST;
 
 uint32_t hysgen_image_word(const uint8_t *bytes, uint32_t i)
@@ -131,27 +134,23 @@ uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_ow
 
 /* The generated commit certifies the image: its numbers become the learnt bank of a separate learner, of the age that commit
  * requires, and are committed to a separate model, never to the one that drives the stage. */
-uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank)
+uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, bank_t *bank)
 {
-    model_bank_t *offered;
+    bank_t *offered = &bench->offered;
     uint32_t answer = MODEL_BUSY;
 
     hysgen_image_settings(bytes, &bench->settings, &bench->settings);
     if ((image_has_settings(bytes) != 0u) && (hysgen_settings_check(&bench->settings) != NULL)) {
         return IMAGE_RISKY;
     }
+    for (uint32_t i = 0u; i < IMAGE_NUMBERS; ++i) {
+        hysgen_bank_put(offered, i, hysgen_image_word(bytes, IMAGE_HEADER + i));
+    }
+    if ((offered->half < 0.0f) || (offered->half > IMAGE_LOOP * MODEL_LOOP_HALF)) {
+        return IMAGE_RISKY;
+    }
     model_init(&bench->model, MODEL_Y_MIN_UM, MODEL_U_MIN_V);
-    offered = &bench->model.bank[bench->model.active];
-    for (uint32_t l = 0u; l < MODEL_RULES; ++l) {
-        offered->slope[l] = image_number(bytes, l);
-        offered->offset[l] = image_number(bytes, MODEL_RULES + l);
-        offered->gain[l] = image_number(bytes, 2u * MODEL_RULES + l);
-    }
-#ifdef MODEL_TERMS
-    for (uint32_t j = 0u; j < MODEL_WEIGHTS; ++j) {
-        offered->weight[j] = image_number(bytes, 3u * MODEL_RULES + j);
-    }
-#endif
+    hysgen_bank_drive(&bench->model, offered);
     model_learn_init(&bench->learner, &bench->model);
     bench->learner.age = MODEL_COMMIT_MATURE;
     for (uint32_t i = 0u; (i < IMAGE_MOST_CALLS) & (answer == MODEL_BUSY); ++i) {
@@ -160,6 +159,6 @@ uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_
     if (answer != MODEL_COMMITTED) {
         return IMAGE_UNCERTIFIED + answer;
     }
-    bank_copy(bank, &bench->model.bank[bench->model.active]);
+    hysgen_bank_take(bank, &bench->model);
     return IMAGE_GOOD;
 }

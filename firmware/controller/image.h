@@ -10,7 +10,7 @@
  *      9, 10  device: image_owner_t.device, the low word first
  *     11      build: MODEL_BUILD of the firmware that it is for, or 0 for any with this structure
  *     12      counter: larger than the largest seen, by IMAGE_STRIDE at most
- *     13 ..   slope[], offset[], gain[] of the rules, weight[] of the terms: float32, as in the model's bank
+ *     13 ..   slope[], offset[], gain[] of the rules, weight[] of the terms, half the integral of the feedback: float32 (bank.h)
  *      then   the words of settings_t; all 0: those that the firmware was built with
  *      then   CRC-32 of all bytes before
  *      last   two words: SipHash-2-4 of all bytes before, with the owner's key, the low word first
@@ -32,7 +32,7 @@
 LINKAGE_BEGIN
 
 #define IMAGE_MAGIC    0x49535948u
-#define IMAGE_VERSION  3u
+#define IMAGE_VERSION  4u
 #define IMAGE_DEVICE   9u
 #define IMAGE_BUILD    11u
 #define IMAGE_COUNTER  12u
@@ -57,7 +57,7 @@ LINKAGE_BEGIN
 #define IMAGE_STRANGE      14u /* for another device */
 #define IMAGE_OTHER_BUILD  15u /* for another build of the firmware */
 #define IMAGE_KEYLESS      17u /* the owner's key is all zeros, which is no secret: no image is taken */
-#define IMAGE_RISKY        18u /* hysgen_settings_check refuses its settings */
+#define IMAGE_RISKY        18u /* hysgen_settings_check refuses its settings, or its feedback has more gain than the build's leaves room for */
 #define IMAGE_REPLAYED     16u /* its counter is not larger than the largest seen, or by more than IMAGE_STRIDE */
 
 /* Most that a counter rises at once: no image can use the counters up. */
@@ -74,6 +74,7 @@ typedef struct {
     model_t model;
     model_learner_t learner;
     settings_t settings;
+    bank_t offered;
 } image_bench_t;
 
 /* 1 if the owner has a key. */
@@ -83,7 +84,7 @@ uint32_t hysgen_image_keyed(const image_owner_t *owner);
 uint32_t hysgen_image_check(const uint8_t *bytes, uint32_t count, const image_owner_t *owner);
 
 /* The certificates of an image that hysgen_image_check found good, and the check of its settings. If they hold, its numbers are in *bank. */
-uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, model_bank_t *bank);
+uint32_t hysgen_image_certify(const uint8_t *bytes, image_bench_t *bench, bank_t *bank);
 
 /* Check word of the image's numbers: hysgen_bank_check of the parameters that they become. */
 uint32_t hysgen_image_numbers(const uint8_t *bytes);

@@ -13,7 +13,7 @@
 
 LINKAGE_BEGIN
 
-#define LINK_VERSION    5u
+#define LINK_VERSION    6u
 #define LINK_STATUS     1u  /* no data; answer: LINK_STATUS_WORDS words, see firmware.c */
 #define LINK_REQUEST    2u  /* one byte: CONTROLLER_START, _STOP, _CLEAR or _RECORD */
 #define LINK_REFERENCE  3u  /* a word: reference [um] from now on, in place of the board's; none: the board's again. A second

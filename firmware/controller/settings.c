@@ -23,9 +23,6 @@ typedef struct {
 #define SETTINGS_STEP_SHARE 0.0625f  /* of the model's inputs, see WATCHDOG_JUMP_SHARE */
 #define SETTINGS_SHORTEST 64u        /* samples of HOLD: a mean of so many readings has an eighth of their noise */
 
-/* Trim gain up to which the loop with MODEL_PREVIEW + 1 samples of delay is stable; tests/firmware/test_trim.py finds its poles. */
-#define SETTINGS_TRIM_INTEGRAL    (0.1f / ((float)MODEL_PREVIEW + 1.0f))
-
 uint32_t hysgen_settings_word(const settings_t *settings, uint32_t i)
 {
     const uint8_t *bytes = (const uint8_t *)settings;
@@ -66,8 +63,6 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "offset_um", s->offset_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
         { "follow_um", s->follow_um, 0.0f, range_um },
-        { "trim_integral", s->trim_integral, 0.0f, SETTINGS_TRIM_INTEGRAL },
-        { "trim_limit_um", s->trim_limit_um, 0.0f, 0.5f * range_um },
         { "reading_zero_um", s->reading_zero_um, -zero_um, zero_um },
         { "reading_gain", s->reading_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
         { "output_zero_V", s->output_zero_V, -zero_V, zero_V },
@@ -79,7 +74,7 @@ const char *hysgen_settings_check(const settings_t *settings)
         uint32_t low;
         uint32_t high;
     } counts[] = {
-        { "options", s->options, 0u, SETTINGS_TRIM | SETTINGS_LEARN | SETTINGS_KEEP | SETTINGS_NO_OFFSET },
+        { "options", s->options, 0u, SETTINGS_LOOP | SETTINGS_LEARN | SETTINGS_KEEP | SETTINGS_NO_OFFSET },
         { "state_samples", s->state_samples, 1u, SETTINGS_LONGEST },
         { "power_samples", s->power_samples, 1u, s->state_samples - 1u },
         { "hold_samples", s->hold_samples, SETTINGS_SHORTEST, s->state_samples - 1u },

@@ -11,7 +11,7 @@
 
 LINKAGE_BEGIN
 
-#define SETTINGS_TRIM   0x1u  /* feedback trim */
+#define SETTINGS_LOOP   0x1u  /* the model's feedback; a model without one is driven by feed-forward alone */
 #define SETTINGS_LEARN  0x2u  /* on-line learning, with commit */
 #define SETTINGS_NO_OFFSET  0x8u  /* the offset of HOLD is held against offset_um, and not used: for a model without memory */
 #define SETTINGS_KEEP   0x4u  /* the next start begins with the parameters that were committed last, not with those of the store */
@@ -41,14 +41,10 @@ typedef struct {
     /* Reference. */
     float reference_step_um;  /* largest change per sample */
 
-    /* Watchdog, see watchdog.h. |reading - model|, with the parameters of START and without trim, beyond which the stage does not follow. A sensor that fails while
-     * trim and learning follow it is told before the stage is this far from where it belongs, and the model's own error. 0: 2 % of the
+    /* Watchdog, see watchdog.h. |reading - model|, with the parameters of START and without feedback, beyond which the stage does not follow. A sensor that fails while
+     * feedback and learning follow it is told before the stage is this far from where it belongs, and the model's own error. 0: 2 % of the
      * model's range and 4 times the error that START found on the way back of LOOP and in HOLD, 16 % at most. */
     float follow_um;
-
-    /* Feedback trim, see trim.h. */
-    float trim_integral;    /* share of the residual that one sample adds */
-    float trim_limit_um;
 
     /* Calibration of the converters, against the scales that the board was built with; as built: 0, 1, 0, 1.
      * reading = reading_zero_um + reading_gain * as built; put out: output_zero_V + output_gain * voltage, as built. */
@@ -58,13 +54,12 @@ typedef struct {
     float output_gain;
 } settings_t;
 
-#define SETTINGS_WORDS 20u  /* float32 and uint32_t */
+#define SETTINGS_WORDS 18u  /* float32 and uint32_t */
 
 /* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's; low_V < off_V,
  * loop < high_V, the loop inside the model's range of inputs; step_V at most a sixteenth of that range; ramp_V at most step_V, and such
  * that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the
- * model's range; converters within 10 % of their scales, and 5 % of their ranges; a trim gain for which the loop of trim, stage and delay is stable for stages of half to one and
- * a half of the model's gain (tests/firmware/test_trim.py). */
+ * model's range; converters within 10 % of their scales, and 5 % of their ranges. */
 const char *hysgen_settings_check(const settings_t *settings);
 
 /* Word i of the settings, in the order above, for an image; and the other way. */

@@ -12,7 +12,7 @@
 #define STATUS_OUTPUT_LIMITED       0x00000020u  /* the voltage was limited to its range */
 #define STATUS_OUTPUT_SLEWED        0x00000040u  /* the voltage's change was limited */
 #define STATUS_AMPLIFIER_LIMITS     0x00000080u  /* the amplifier told that it was at its limit */
-#define STATUS_TRIM_LIMITED         0x00000100u  /* the feedback trim reached its limit */
+#define STATUS_LOOP_LIMITED         0x00000100u  /* the correction of the feedback reached its limit */
 #define STATUS_DEADLINE_MISSED      0x00000200u  /* an interrupt took more cycles than its budget, or overran */
 #define STATUS_MODEL                0x00000400u  /* the model's own status word is not 0 */
 #define STATUS_LEARN_SKIPPED        0x00000800u  /* a commit was interrupted; its sample taught nothing */

@@ -60,7 +60,7 @@ static uint32_t store_newer(uint32_t a, uint32_t b)
     return (uint32_t)(((a - b) & 0x80000000u) == 0u) & (uint32_t)(a != b);
 }
 
-static uint32_t store_judge(store_t *self, image_bench_t *bench, model_bank_t *bank, uint32_t count)
+static uint32_t store_judge(store_t *self, image_bench_t *bench, bank_t *bank, uint32_t count)
 {
     self->answer = hysgen_image_check(self->bytes, count, self->owner);
     if (self->answer == IMAGE_GOOD) {
@@ -76,7 +76,7 @@ static uint32_t store_authentic(uint32_t answer)
         | (uint32_t)(answer == IMAGE_RISKY)        | ((uint32_t)(answer > IMAGE_UNCERTIFIED) & (uint32_t)(answer < IMAGE_FORGED));
 }
 
-uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank)
+uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, bank_t *bank)
 {
     uint32_t sequence[BOARD_SLOTS];
     uint32_t sealed[BOARD_SLOTS];
@@ -149,11 +149,11 @@ static uint32_t store_write(store_t *self, board_t *board)
     return answer;
 }
 
-uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count)
+uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, bank_t *bank, uint32_t count)
 {
-    model_bank_t good;
+    bank_t good;
 
-    bank_copy(&good, bank);
+    hysgen_bank_copy(&good, bank);
     if (store_judge(self, bench, &good, count) == IMAGE_GOOD) {
         const uint32_t held = store_holds(self, board);
 
@@ -168,7 +168,7 @@ uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, 
         }
     }
     if (self->answer == IMAGE_GOOD) {
-        bank_copy(bank, &good);
+        hysgen_bank_copy(bank, &good);
     }
     return self->answer;
 }

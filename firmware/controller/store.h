@@ -30,13 +30,13 @@ typedef struct {
 
 /* Look for the newest image that is whole, right and certified, and put its numbers into *bank; leaves *bank alone if
  * there is none. Returns 1 if a sealed image was found that was not good. */
-uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, model_bank_t *bank);
+uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *owner, image_bench_t *bench, bank_t *bank);
 
 /* Check the image in self->bytes, write it to the slot that is not in use, and put its numbers into *bank. An image equal to
  * the one in use is not written again: erasing wears the memory. Any other needs a larger counter than the one in use, so that nobody
  * brings an old image back. Returns
  * IMAGE_GOOD, or why not: then neither the slot in use nor *bank has changed. */
-uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, model_bank_t *bank, uint32_t count);
+uint32_t hysgen_store_keep(store_t *self, board_t *board, image_bench_t *bench, bank_t *bank, uint32_t count);
 
 LINKAGE_END
 

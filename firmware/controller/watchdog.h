@@ -12,7 +12,7 @@ LINKAGE_BEGIN
 
 /* A leaky count: +1 per bad sample, -1 per WATCHDOG_LEAK good ones. With 8, a lasting share of bad samples above one in
  * nine reaches any limit, in whatever pattern they come, while seven bad samples in a row are forgotten after 56 good
- * ones (1.1 ms): sparse noise never adds up, and trim and learner have at least 8 of 9 readings. */
+ * ones (1.1 ms): sparse noise never adds up, and feedback and learner have at least 8 of 9 readings. */
 #define WATCHDOG_LEAK 8u
 
 /* Readings that are none, amplifier limits or late samples, and samples in which the stage does not follow, until they are a fault. */

@@ -127,7 +127,7 @@ def test_the_identity_of_another_version_is_refused() -> None:
             assert found == expected
             assert vars(found) == vars(expected)
         else:
-            with pytest.raises(HysgenError, match="version 3 of the link, this hysgen 5"):
+            with pytest.raises(HysgenError, match="version 3 of the link, this hysgen 6"):
                 asking.identity()
 
 
@@ -187,7 +187,7 @@ def test_a_models_image_is_labelled_as_the_firmware_tells() -> None:
         answers[Command.KEPT] = struct.pack("<I", SETTINGS_BYTES) + settings[data[0] if data else 0 :][:64]
         return b"\0" + answers.get(Command(kind), b"")
 
-    key, settings = bytes(range(16)), bytes(range(100, 180))
+    key, settings = bytes(range(16)), bytes(range(100, 172))
     client(reply)[0].install_model(model(), key)
     sent = decode(b"".join(parts), key=key)
     assert (sent.label, sent.settings) == (Label(1 << 40, 55, 9), settings)
@@ -200,9 +200,9 @@ def test_an_image_gives_back_every_number_with_more_weights_than_rules() -> None
     slope, offset, gain = np.arange(1, 7, dtype=np.float32).reshape(3, 2)
     bank = Bank(slope=slope, offset=offset, gain=gain, weight=np.arange(7, 12, dtype=np.float32))
     data = pack(ParameterImage((1, 2, 3, 4), bank, Label(1 << 33, 5, 6)), KEY)
-    assert struct.unpack_from("<9IQ2I", data) == (0x49535948, 3, len(data), 1, 2, 3, 4, 2, 5, 1 << 33, 5, 6)
+    assert struct.unpack_from("<9IQ2I", data) == (0x49535948, 4, len(data), 1, 2, 3, 4, 2, 5, 1 << 33, 5, 6)
     assert struct.unpack_from("<11f", data, 52) == tuple(range(1, 12))
-    assert len(data) == 4 * (13 + 11 + 20 + 3)
+    assert len(data) == 4 * (13 + 11 + 1 + 18 + 3)
     back = decode(data, key=KEY)
     assert (back.digest, back.label) == ((1, 2, 3, 4), Label(1 << 33, 5, 6))
     for name in ("slope", "offset", "gain", "weight"):
@@ -210,8 +210,8 @@ def test_an_image_gives_back_every_number_with_more_weights_than_rules() -> None
     with pytest.raises(ModelError, match="47 bytes are no parameter image"):
         decode(bytes(47))
     for at, words in (
-        (0, "not a parameter image of version 3"),
-        (4, "version 3"),
+        (0, "not a parameter image of version 4"),
+        (4, "version 4"),
         (28, "its header says"),
         (60, "CRC"),
     ):

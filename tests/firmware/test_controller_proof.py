@@ -29,7 +29,6 @@ ENTRY = f"""
 #include "controller.c"
 #include "play.c"
 #include "settings.c"
-#include "trim.c"
 #include "watchdog.c"
 
 settings_t settings;
@@ -61,6 +60,7 @@ int main(void)
 IMAGE_ENTRY = """#include <stddef.h>
 #include "model_stubs.c"
 #include "board_stubs.c"
+#include "bank.c"
 #include "image.c"
 #include "settings.c"
 #include "store.c"
@@ -69,7 +69,7 @@ IMAGE_ENTRY = """#include <stddef.h>
 
 image_owner_t owner;
 image_bench_t bench;
-model_bank_t bank;
+bank_t bank;
 store_t store;
 board_t board;
 uint32_t answer;

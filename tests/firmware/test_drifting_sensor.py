@@ -1,4 +1,4 @@
-"""A sensor that drifts while trim and learning follow it: told before the stage is more wrong than the settings say."""
+"""A sensor that drifts while feedback and learning follow it: told before the stage is further off than is allowed."""
 
 # Safety case: [S5]
 
@@ -71,7 +71,7 @@ CASES = [
 def test_a_drifting_sensor_is_told_before_the_stage_is_a_tenth_of_a_micrometre_wrong(
     name: str, sensor: str, seconds: float
 ) -> None:
-    settings = Settings(trim=True, learn=True)
+    settings = Settings(loop=True, learn=True)
     firmware, wrong_um = drifted(name, settings, SENSORS[sensor], seconds)
     assert FirmwareStatus.FAULT_FOLLOW in firmware.status
     assert wrong_um < WRONG_UM

@@ -141,8 +141,8 @@ def test_one_bad_sample_in_ten_is_told_and_survived() -> None:
 
 
 def test_a_reading_that_jumps_and_comes_back_moves_nothing_and_is_told() -> None:
-    """Every tenth reading 9 um, with trim: the stage was 0.26 um off for ever. A step of the stage is no jump."""
-    firmware = on_itself(Settings(trim=True))
+    """Every tenth reading 9 um, with feedback: the stage was 0.26 um off for ever. A step of the stage is no jump."""
+    firmware = on_itself(Settings(loop=True))
     firmware.run(np.full(3000, REFERENCE_UM))
     firmware.fail(BoardFault.READING, 9.0, after=1, pattern=(1, 10))
     log = firmware.run(np.full(5000, REFERENCE_UM))
@@ -202,7 +202,7 @@ def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
 def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> None:
     rng = np.random.default_rng(7)
     for _ in range(20):
-        firmware = tracking(replace(SETTINGS, trim=True, follow_um=3.0))
+        firmware = tracking(replace(SETTINGS, loop=True, follow_um=3.0))
         before_V = firmware.board.output_V
         firmware.fail(
             BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), 10, pattern=(1, 10)

@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 
 from fixtures.firmware_bench import KEY, model
-from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources, with_learner
+from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.image import Label, encode
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 from hysgen.model.file import load_model
@@ -35,7 +35,7 @@ CHUNK = 20_000
 PLANTED, RARE = 1000, {"store": 4000, "stuck": 4000, "status": 4000}
 """Cases in which each planted fault is found: the rarest break 2 of them, a lost image or a stuck sensor 5 of 4000."""
 SLOW = 4096
-"""Every so manieth sensor drifts so slowly that trim and learning follow it, and a guard that learns along too."""
+"""Every so manieth sensor drifts so slowly that feedback and learning follow it, and a guard that learns along too."""
 NAMES = ("range", "rate", "apart", "parameters", "refused", "store", "panic", "correction", "stuck", "status", "armed",
          "drift")  # fmt: skip
 DECLARED = """
@@ -146,8 +146,8 @@ def test_no_case_of_the_corpus_breaks_an_invariant() -> None:
             r"hysgen_board_amplifier_enable\(board, 0u\)",
             "hysgen_board_amplifier_enable(board, 1u)",
         ),
-        ("correction", "trim.c", r"number_limited\(moved, -limit, limit\)", "moved"),
-        ("stuck", "controller.c", r"if \(hysgen_controller_drives\(self\) == 0u\) \{", "{"),
+        ("correction", "controller.c", r"if \(\(settings->options & SETTINGS_LOOP\) != 0u\) \{", "{"),
+        ("stuck", "controller.c", r"        if \(hysgen_controller_drives\(self\) == 0u\) \{", "{"),
         (
             "status",
             "firmware.c",
@@ -196,7 +196,7 @@ if __name__ == "__main__":
     parser.add_argument("--corpus", action="store_true", help="write the seeds that reach something new to the corpus")
     chosen = parser.parse_args()
     shipped = firmware_folder() / "models" / chosen.model / f"{chosen.model}.json"
-    reached = show(chosen.cases, chosen.first, with_learner(load_model(shipped)))
+    reached = show(chosen.cases, chosen.first, load_model(shipped))
     if chosen.corpus:
         head = CORPUS.read_text(encoding="utf-8").splitlines()[0]
         seeds = sorted(reached.finders)

@@ -13,7 +13,7 @@ from fixtures.firmware_bench import KEY, ModelStage, booted, compiled, image, mo
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import FAULTS, SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
-from hysgen.firmware.image import ANSWERS, NO_KEY, Label, Owner, decode, encode, siphash
+from hysgen.firmware.image import ANSWERS, NO_KEY, Label, Owner, decode, encode, pack, siphash
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model
@@ -37,8 +37,24 @@ def test_an_image_reads_back_and_its_numbers_become_the_bank_bit_for_bit() -> No
     firmware = booted()
     before = firmware.bank()
     assert firmware.send(data) == 0
-    values = np.concatenate([bank.slope, bank.offset, bank.gain])
+    values = np.concatenate([bank.slope, bank.offset, bank.gain, np.float32([0.002])])
     assert firmware.bank() == values.tobytes() != before
+
+
+def test_an_image_brings_the_gain_of_the_feedback_up_to_half_of_its_margin() -> None:
+    own, firmware = model().feedback, booted(Settings(loop=True))
+    assert own is not None
+    tried = [replace(own, integral=share * own.integral) for share in (1.41, 0.5, 1.39)]
+    for counter, (loop, answer) in enumerate(
+        [*zip(tried, (18, 0, 0), strict=True), (replace(own, limit_um=0.2), 4), (None, 4)], start=1
+    ):
+        assert firmware.send(encode(replace(model(), feedback=loop), KEY, Label(counter=counter))) == answer
+    firmware.start(2.0)
+    assert firmware.firmware.controller.model.loop.half == np.float32(0.002 * 1.39)
+    assert firmware.firmware.controller.model.loop.correction_um != 0.0
+    turned = replace(decode(encode(model(), KEY, Label(counter=9))), half=-1e-9)
+    stop(firmware)
+    assert firmware.send(pack(turned, KEY)) == 18
 
 
 def test_an_image_cut_at_any_byte_or_with_any_bit_flipped_changes_nothing() -> None:
@@ -157,6 +173,7 @@ def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> 
 def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -> None:
     drive_V = nested_amplitudes(TS_S, (100.0, 50.0), 40.0, 15.0, 4)
     old = with_learner(identified(drive_V, FitSettings(name="refitted", method="batch")))
+    old = replace(old, feedback=model().feedback)
     # A second record inside the range of the first, of a stage that has lost 3 % of its gain.
     again_V = nested_amplitudes(TS_S, (70.0,), 40.0, 12.0, 5)
     record = measured(again_V)
@@ -303,12 +320,16 @@ def test_an_attackers_image_is_refused_and_changes_nothing(attack: str) -> None:
     assert firmware.bank() != bank
 
 
-@pytest.mark.parametrize("row", ["slope", "offset", "gain"])
+@pytest.mark.parametrize("row", ["slope", "offset", "gain", "half"])
 def test_start_drives_with_no_parameters_but_those_that_were_meant(row: str) -> None:
     """A skipped instruction of the idle loop made a pointer wild, which moved the bank by a word: START took it."""
     firmware = booted()
-    words = getattr(firmware.firmware.controller.bank, row)
-    words[3] = np.nextafter(np.float32(words[3]), np.float32(9.0))
+    bank = firmware.firmware.controller.bank
+    if row == "half":
+        bank.half = np.nextafter(np.float32(bank.half), np.float32(9.0))
+    else:
+        words = getattr(bank.rules, row)
+        words[3] = np.nextafter(np.float32(words[3]), np.float32(9.0))
     for _ in range(2):
         firmware.start(2.0)
         assert (firmware.state, firmware.status & FAULTS) == (State.TRIPPED, FirmwareStatus.FAULT_MEMORY)

@@ -44,7 +44,7 @@ def test_a_bit_of_the_code_that_turns_is_told_within_a_round_and_until_the_next_
     assert firmware.state is State.OFF
 
 
-@pytest.mark.parametrize("byte", [0, 79])
+@pytest.mark.parametrize("byte", [0, 71])
 def test_a_bit_of_the_settings_that_turns_is_told(byte: int) -> None:
     firmware = watched()
     ffi = firmware.image.library.ffi

@@ -20,9 +20,7 @@ from hysgen.firmware.image import Label, ParameterImage, encode, pack
 from hysgen.firmware.link import Client, kept_text, read_kept
 
 BUILT = Settings(power_samples=7)
-OTHER = replace(
-    BUILT, learn=True, low_V=-5.5, hold_samples=77, trim_limit_um=0.125, reading_gain=1.01, output_zero_V=-0.3
-)
+OTHER = replace(BUILT, learn=True, low_V=-5.5, hold_samples=77, offset_um=0.75, reading_gain=1.01, output_zero_V=-0.3)
 
 
 def board(settings: Settings = BUILT) -> tuple[HostFirmware, Client]:
@@ -122,7 +120,7 @@ def test_the_verb_reads_a_file_that_it_writes_back(tmp_path: Path, monkeypatch: 
     key.write_text(KEY.hex())
     assert main(["link", "port", "read", "-o", str(file)]) == 0
     given = json.loads(file.read_text())
-    assert given["settings"]["trim_integral"] == 0.004
+    assert given["half_integral"] == 0.002
     given["settings"]["reading_gain"] = 1.02
     file.write_text(json.dumps(given))
     assert main(["link", "port", "write", str(file), "--key", str(key)]) == 0

@@ -15,7 +15,7 @@ LEARNING = Settings(learn=True)
 def wrong_nm(firmware: HostFirmware) -> float:
     """Largest change of an active parameter, as displacement over the whole range of its regressor, in nm."""
     controller = firmware.firmware.controller
-    active, start = controller.model.bank[controller.model.active], controller.bank
+    active, start = controller.model.bank[controller.model.active], controller.bank.rules
     changed = [
         reach * (now - before)
         for name, reach in (("slope", model().grid.y_max_um), ("offset", 1.0), ("gain", model().u_max_V))

@@ -19,9 +19,7 @@ IMPOSSIBLE = [
     {"low_V": 30.0, "off_V": 31.0, "loop_low_V": 22.0},  # RISE would never end
     {"loop_high_V": 125.0},  # beyond the model's range
     {"state_samples": 4096, "ramp_V": 0.04},  # HOLD alone takes as long
-    {"trim_integral": 1.0},  # the stage swings by 0.66 um for ever
     {"hold_samples": 63},  # one reading as the stage's zero
-    {"trim_limit_um": 1e30},
     {"step_V": 1e-6, "ramp_V": 1e-6},  # cannot come down
     {"high_V": 150.0},  # the D/A would clip
     {"off_V": 150.0},

@@ -9,21 +9,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import TRIM_INTEGRAL, ModelStage, model
+from fixtures.firmware_bench import ModelStage, model
 from fixtures.tools import need
 from hysgen.codegen.manifest import c_files
 from hysgen.firmware import host
-from hysgen.firmware.binding import build_id, firmware_model, with_learner
+from hysgen.firmware.binding import build_id, firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings
 from hysgen.firmware.image import Label, Owner, decode, encode, pack, siphash
 from hysgen.firmware.wire import LinkStatus, frame, payload
 from hysgen.machine.native import Toolchain, build
 from hysgen.model.disturbances.periodic import Periodic
-from hysgen.model.file import load_model
 from hysgen_lab.firmware.reference_models import extended
 
 FUNCTIONS = (
-    *("trim_init", "trim_step", "settings_check", "frame_init", "frame_take", "frame_make", "image_check"),
+    *("settings_check", "frame_init", "frame_take", "frame_make", "image_check"),
     *("link_init", "link_answer", "link_add", "link_add_text", "link_close"),
 )
 OWNER = Owner(bytes(range(3, 19)), 0x1122334455667788)
@@ -71,8 +70,6 @@ RANGES = {
     "offset_um": (LEAST, RANGE_UM),
     "reference_step_um": (LEAST, RANGE_UM),
     "follow_um": (0.0, RANGE_UM),
-    "trim_integral": (0.0, TRIM_INTEGRAL),
-    "trim_limit_um": (0.0, RANGE_UM / 2),
     "reading_gain": GAINS,
     "output_gain": GAINS,
     "output_zero_V": (-7.0, 7.0),
@@ -111,33 +108,8 @@ def test_the_loop_keeps_to_the_limits_of_the_output_where_they_are_the_narrower_
 
 
 def test_every_option_may_be_set_and_a_fifth_is_refused() -> None:
-    assert wrong_field(replace(ROOMY, trim=True, learn=True, keep=True, no_offset=True)) is None
+    assert wrong_field(replace(ROOMY, loop=True, learn=True, keep=True, no_offset=True)) is None
     assert wrong_field(replace(ROOMY, no_offset=2)) == "options"  # type: ignore[arg-type]
-
-
-# Trim
-
-
-def trimmed(steps: list[tuple[float, int]]) -> list[tuple[float, int]]:
-    """(correction, at the limit) after each (residual, limited), all exact in float32."""
-    trim, settings = new("trim_t *"), new("settings_t *", {"trim_integral": 0.25, "trim_limit_um": 1.0})
-    called("trim_init", trim)
-    states = []
-    for residual, limited in steps:
-        at_limit = called("trim_step", trim, settings, residual, limited)
-        states.append((trim.correction_um, at_limit))
-    return states
-
-
-def test_the_trim_adds_its_share_of_each_residual_up_to_its_limit() -> None:
-    assert trimmed([(1.0, 0), (1.0, 0), (-3.0, 0), (0.0, 0)]) == [(0.25, 0), (0.5, 0), (-0.25, 0), (-0.25, 0)]
-    assert trimmed([(4.0, 0), (8.0, 0), (-32.0, 0)]) == [(1.0, 1), (1.0, 1), (-1.0, 1)]
-    assert trimmed([(3.99, 0)])[0][1] == 0
-
-
-def test_the_trim_does_not_move_beyond_a_limit_of_the_output() -> None:
-    steps = [(1.0, 1), (-1.0, 1), (1.0, -1), (-1.0, -1), (1.0, 0), (-1.0, 0)]
-    assert [trimmed([step])[0][0] for step in steps] == [0.0, -0.25, 0.25, 0.0, 0.25, -0.25]
 
 
 # Frames and answers
@@ -256,7 +228,10 @@ def test_weights_of_an_image_become_those_of_the_bank_and_those_without_a_phase_
     disturbed = replace(model(), terms=(Periodic((50.0,)),), weights=np.array([0.01, -0.02]))
     built = HostImage.compile(model().name, firmware_model(disturbed))
     firmware = HostFirmware(built, ModelStage(model()), owner=OWNER)
-    weights, given = firmware.firmware.controller.bank.weight, decode(encode(disturbed, OWNER.key, Label(OWNER.device)))
+    weights, given = (
+        firmware.firmware.controller.bank.rules.weight,
+        decode(encode(disturbed, OWNER.key, Label(OWNER.device))),
+    )
     assert [*weights, *given.bank.weight] == [0.0] * 4
     given.bank.weight[:] = [0.03, 0.04]
     assert firmware.send(pack(given, OWNER.key)) == 0
@@ -291,7 +266,7 @@ def test_the_self_test_passes_under_link_time_optimisation(name: str, level: str
     """7 and 71 words differed: the hash read words of a struct of floats through a pointer to uint32_t."""
     need("gcc")
     toolchain = Toolchain("gcc", (level, "-flto"))
-    sources = c_files(firmware_model(with_learner(load_model(name)) if name == "appendix_a" else extended()))
+    sources = c_files(firmware_model(model() if name == "appendix_a" else extended()))
     caller = f"#include <stdint.h>\nuint32_t {name}_selftest(void);\nuint32_t differing(void);\n"
     caller += f"uint32_t differing(void) {{ return {name}_selftest(); }}\n"
     built = build([*sources.items(), ("caller.c", caller)], "uint32_t differing(void);", toolchain)

@@ -10,7 +10,7 @@ static board_t simulated_board;
 
 /* Short ways, so that a few thousand samples go through every state. */
 static settings_t simulated_settings = {
-    .options = SETTINGS_TRIM | SETTINGS_LEARN,
+    .options = SETTINGS_LOOP | SETTINGS_LEARN,
     .off_V = 0.0f,
     .low_V = -20.0f,
     .high_V = 120.0f,
@@ -24,8 +24,6 @@ static settings_t simulated_settings = {
     .state_samples = 250000u,
     .reference_step_um = 0.05f,
     .follow_um = 3.0f,
-    .trim_integral = 0.004f,
-    .trim_limit_um = 0.25f,
     .reading_gain = 1.0f,
     .output_gain = 1.0f,
 };

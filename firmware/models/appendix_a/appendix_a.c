@@ -248,6 +248,39 @@ APPENDIX_A_INLINE appendix_a_sums_t appendix_a_rule_sums(const appendix_a_bank_t
     return sums;
 }
 
+/* ---- Feedback -------------------------------------------------------------------------------------------------- */
+
+/* Without correction, at rest, with the integral of the design. */
+APPENDIX_A_INLINE void appendix_a_loop_init(appendix_a_loop_t *loop)
+{
+    loop->correction_um = 0.0f;
+    loop->before_um = 0.0f;
+    loop->half = APPENDIX_A_LOOP_HALF;
+}
+
+/* c(k) = c(k-1) + K/2 (f(k) + f(k-1)), f = F of the residual; it stands still at a limit that it would move beyond. */
+APPENDIX_A_CODE
+float appendix_a_correct(appendix_a_t *self, float residual_um)
+{
+    appendix_a_events_t events = { 0u, 0u, 0u, 0u };
+    const float finite = appendix_a_finite(residual_um, 0.0f, &events.y_rejected);
+    const float residual = appendix_a_limited(finite, -APPENDIX_A_LOOP_REACH_UM, APPENDIX_A_LOOP_REACH_UM, &events.y_clamped);
+    const float before = self->loop.correction_um;
+    const float moves = residual;
+    const float step = appendix_a_flushed(self->loop.half * (moves + self->loop.before_um));
+    const uint32_t at_top = (uint32_t)(self->u_V >= self->high_V);
+    const uint32_t at_bottom = (uint32_t)(self->u_V <= self->low_V);
+    const uint32_t winds = (at_top & (uint32_t)(step > 0.0f)) | (at_bottom & (uint32_t)(step < 0.0f));
+    uint32_t limited;
+    const float moved = appendix_a_flushed(appendix_a_limited(before + step, -APPENDIX_A_LOOP_LIMIT_UM, APPENDIX_A_LOOP_LIMIT_UM, &limited));
+    const float correction = (winds != 0u) ? before : moved;
+
+    self->loop.before_um = moves;
+    self->loop.correction_um = correction;
+    appendix_a_count_events(self, &events);
+    return correction;
+}
+
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
 APPENDIX_A_CODE
@@ -276,6 +309,7 @@ void appendix_a_init(appendix_a_t *self, float y_um, float u_V)
     self->low_V = APPENDIX_A_U_MIN_V;
     self->high_V = APPENDIX_A_U_MAX_V;
     self->step_V = APPENDIX_A_U_STEP_MAX_V;
+    appendix_a_loop_init(&self->loop);
 }
 
 /* The model's output under the input u, Eq. (4), with base = y S + O; the input acts on the state. */

@@ -29,8 +29,8 @@ extern "C" {
 
 #define APPENDIX_A_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of appendix_a.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define APPENDIX_A_ALGORITHM "522659cd4fe7982bc1b528c678912e051a00a50e8bd3fab7222407db63fbb35c"
-#define APPENDIX_A_ALGORITHM_WORD 0x522659cdu  /**< its first 32 bits */
+#define APPENDIX_A_ALGORITHM "a008438c716cf1ed77d67982b1e171197fde985b2c56bdf11366e31651e878a8"
+#define APPENDIX_A_ALGORITHM_WORD 0xa008438cu  /**< its first 32 bits */
 
 #define APPENDIX_A_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define APPENDIX_A_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -48,6 +48,13 @@ extern "C" {
 #define APPENDIX_A_STATUS_AUX_CLAMPED        0x40u  /**< An auxiliary channel lay outside its range and was limited to it. */
 #define APPENDIX_A_STATUS_AUX_REJECTED       0x80u  /**< An auxiliary channel was not finite; its last good sample was used. */
 
+/** State of the feedback. */
+typedef struct {
+    float correction_um;  /**< Last correction [um]. */
+    float before_um;      /**< Residual behind the filter, a sample before [um]. */
+    float half;           /**< Half the integral of a sample; a caller may set another, 0 to 1. */
+} appendix_a_loop_t;
+
 /** Parameters as the sums over the rules need them: consequents times strengths. */
 typedef struct {
     float slope[APPENDIX_A_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
@@ -55,7 +62,7 @@ typedef struct {
     float gain[APPENDIX_A_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/V]. */
 } appendix_a_bank_t;
 
-/** One instance of the model, 188 bytes. */
+/** One instance of the model, 200 bytes. */
 typedef struct {
     uint32_t active;            /**< Index of the active bank, 0 or 1. */
     float y_um;                 /**< Last output of the model [um], from which a free run continues. */
@@ -68,6 +75,7 @@ typedef struct {
     uint32_t u_clamped;         /**< Number of calls with u outside its range. */
     uint32_t y_rejected;        /**< Number of calls with y not finite. */
     uint32_t u_rejected;        /**< Number of calls with u not finite. */
+    appendix_a_loop_t loop;     /**< State of the feedback. */
     appendix_a_bank_t bank[2];  /**< Both banks of parameters, of which one is active. */
 } appendix_a_t;
 
@@ -134,6 +142,19 @@ void appendix_a_limits(appendix_a_t *self, float low_V, float high_V, float step
  * 41 float +-, 48 float *, 12 float comparisons, 84 integer, 37 loads, 8 stores.
  * C674x: about 232 cycles (estimate). */
 float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
+
+/** The correction of the feedback that `hysgen loop` designed, to be added to the reference of appendix_a_inverse:
+ *     c(k) = c(k-1) + K/2 (f(k) + f(k-1)),  f = 1 of the residual
+ * c stays within APPENDIX_A_LOOP_LIMIT_UM. While self->u_V is at an end of its limits, c does not move the stage further beyond.
+ *
+ * @param self         the instance
+ * @param residual_um  reference less reading [um], both of the same sample, limited to APPENDIX_A_LOOP_REACH_UM either way; 0
+ *                     stands in for one that is not finite. Both are counted as for a displacement.
+ * @return             c(k) [um]
+ *
+ * 2 float +-, 1 float *, 8 float comparisons, 63 integer, 12 loads, 7 stores.
+ * C674x: about 130 cycles (estimate). */
+float appendix_a_correct(appendix_a_t *self, float residual_um);
 
 #define APPENDIX_A_LEARNED 18u  /**< parameters that are learned */
 #define APPENDIX_A_FACTORS 153u  /**< words of U */
@@ -266,8 +287,9 @@ appendix_a_commit_t appendix_a_commit(appendix_a_t *self, appendix_a_learner_t *
 
 /* The compiler of the caller must lay the structs out as the compiler of appendix_a.c: another size is an error here. */
 typedef char appendix_a_float_size[(sizeof(float) == 4u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_loop_t_size[(sizeof(appendix_a_loop_t) == 12u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_bank_t_size[(sizeof(appendix_a_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 188u) ? 1 : -1];  /**< static assertion */
+typedef char appendix_a_t_size[(sizeof(appendix_a_t) == 200u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_candidate_t_size[(sizeof(appendix_a_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
 typedef char appendix_a_learner_t_size[(sizeof(appendix_a_learner_t) == 1636u) ? 1 : -1];  /**< static assertion */
 

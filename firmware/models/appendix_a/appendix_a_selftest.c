@@ -99,6 +99,30 @@ static uint32_t appendix_a_selftest_inverse(void)
     return mismatches;
 }
 
+APPENDIX_A_CODE
+static uint32_t appendix_a_selftest_correct(void)
+{
+    appendix_a_t self;
+    uint32_t mismatches = 0u;
+
+    appendix_a_init(&self, appendix_a_selftest_float(APPENDIX_A_SELFTEST_CORRECT_START_Y),
+        appendix_a_selftest_float(APPENDIX_A_SELFTEST_CORRECT_START_U));
+    for (uint32_t k = 0u; k < 32u; ++k) {
+        const uint32_t *row = appendix_a_selftest_correct_rows[k];
+        float result;
+
+        result = appendix_a_correct(&self, appendix_a_selftest_float(row[0]));
+        mismatches += (uint32_t)(appendix_a_selftest_bits(result) != row[1]);
+    }
+    mismatches += (uint32_t)(self.status != APPENDIX_A_SELFTEST_CORRECT_STATUS);
+    mismatches += (uint32_t)(self.y_clamped != APPENDIX_A_SELFTEST_CORRECT_Y_CLAMPED);
+    mismatches += (uint32_t)(self.u_clamped != APPENDIX_A_SELFTEST_CORRECT_U_CLAMPED);
+    mismatches += (uint32_t)(self.y_rejected != APPENDIX_A_SELFTEST_CORRECT_Y_REJECTED);
+    mismatches += (uint32_t)(self.u_rejected != APPENDIX_A_SELFTEST_CORRECT_U_REJECTED);
+
+    return mismatches;
+}
+
 /** A model, and its words to hash. */
 typedef union {
     appendix_a_t model;                         /**< The model. */
@@ -213,6 +237,7 @@ uint32_t appendix_a_selftest(void)
     mismatches += appendix_a_selftest_predict();
     mismatches += appendix_a_selftest_simulate();
     mismatches += appendix_a_selftest_inverse();
+    mismatches += appendix_a_selftest_correct();
     mismatches += appendix_a_selftest_learn();
 
     return mismatches;

@@ -142,6 +142,51 @@ static const uint32_t appendix_a_selftest_inverse_rows[32][3] = {
     { 0x4067a433u, 0x406342a9u, 0x41e09692u },  /* 3.6194, 3.55094 -> 28.0735 */
 };
 
+/* correct: arguments, expected result. */
+#define APPENDIX_A_SELFTEST_CORRECT_START_Y 0x400cb1c4u
+#define APPENDIX_A_SELFTEST_CORRECT_START_U 0x00000000u
+#define APPENDIX_A_SELFTEST_CORRECT_STATUS 0x00000005u
+#define APPENDIX_A_SELFTEST_CORRECT_Y_CLAMPED 2u
+#define APPENDIX_A_SELFTEST_CORRECT_U_CLAMPED 0u
+#define APPENDIX_A_SELFTEST_CORRECT_Y_REJECTED 3u
+#define APPENDIX_A_SELFTEST_CORRECT_U_REJECTED 0u
+
+APPENDIX_A_TABLE
+static const uint32_t appendix_a_selftest_correct_rows[32][2] = {
+    { 0xbf3eba3au, 0xbac34e0fu },  /* -0.745029 -> -0.00149006 */
+    { 0xbeaecaccu, 0xbb700d3eu },  /* -0.341391 -> -0.0036629 */
+    { 0xc00cb1c4u, 0xbc0f3c34u },  /* -2.19835 -> -0.00874238 */
+    { 0x3f830fc6u, 0xbc35b80cu },  /* 1.02392 -> -0.0110912 */
+    { 0xbf94d113u, 0xbc3a43a5u },  /* -1.16263 -> -0.0113687 */
+    { 0xc00cb1c4u, 0xbc9432ccu },  /* -2.19835 -> -0.0180906 */
+    { 0xbfb44aaau, 0xbccf4b24u },  /* -1.40853 -> -0.0253044 */
+    { 0xbe86a814u, 0xbceaae0bu },  /* -0.263001 -> -0.0286474 */
+    { 0xf149f2cau, 0xbd10af87u },  /* -1e+30 -> -0.0353236 */
+    { 0x3fb93498u, 0xbd1e0613u },  /* 1.44692 -> -0.03858 */
+    { 0x3fbb1e98u, 0xbd0631e7u },  /* 1.46187 -> -0.0327624 */
+    { 0xff800000u, 0xbcf47046u },  /* -inf -> -0.0298387 */
+    { 0x3ec6d718u, 0xbcee1360u },  /* 0.38836 -> -0.029062 */
+    { 0xbfbbd542u, 0xbcffc164u },  /* -1.46745 -> -0.0312201 */
+    { 0xbfc4ce70u, 0xbd187ea1u },  /* -1.53755 -> -0.0372301 */
+    { 0x3fa1d536u, 0xbd1abba3u },  /* 1.26432 -> -0.0377766 */
+    { 0x3f67ed98u, 0xbd08f436u },  /* 0.905969 -> -0.033436 */
+    { 0x7fc00000u, 0xbd018842u },  /* nan -> -0.0316241 */
+    { 0xbfaf2098u, 0xbd0cbd8bu },  /* -1.36818 -> -0.0343604 */
+    { 0x3fa3f1d2u, 0xbd0d74c3u },  /* 1.28082 -> -0.0345352 */
+    { 0x3fc4ce70u, 0xbcecbc6fu },  /* 1.53755 -> -0.0288984 */
+    { 0xbf9edfa6u, 0xbce7e174u },  /* -1.2412 -> -0.0283057 */
+    { 0x3ea827a8u, 0xbcf6d5e6u },  /* 0.328428 -> -0.0301313 */
+    { 0x7f800000u, 0xbcf17460u },  /* inf -> -0.0294744 */
+    { 0x3e8a6648u, 0xbced069bu },  /* 0.270312 -> -0.0289338 */
+    { 0xbf79fb62u, 0xbcf8988au },  /* -0.976492 -> -0.0303462 */
+    { 0xc00cb1c4u, 0xbd164e65u },  /* -2.19835 -> -0.0366959 */
+    { 0xbe86f9fcu, 0xbd2a7988u },  /* -0.263626 -> -0.0416198 */
+    { 0xbf03517cu, 0xbd30d628u },  /* -0.512962 -> -0.043173 */
+    { 0xc0939ad4u, 0xbd4e3adeu },  /* -4.61265 -> -0.0503491 */
+    { 0xbf1e5946u, 0xbd6c7d03u },  /* -0.61855 -> -0.0577364 */
+    { 0xbed4bed4u, 0xbd74f59cu },  /* -0.415518 -> -0.0598045 */
+};
+
 /* learn: arguments, hash of every word of the learner afterwards. */
 #define APPENDIX_A_SELFTEST_LEARN_START_Y 0x400cb1c4u
 #define APPENDIX_A_SELFTEST_LEARN_START_U 0x00000000u
@@ -219,52 +264,52 @@ static const uint32_t appendix_a_selftest_learn_rows[64][3] = {
 /* commit: age, calls, answer, hash of every word of instance and learner afterwards, theta before. */
 APPENDIX_A_TABLE
 static const uint32_t appendix_a_selftest_commit_rows[10][22] = {
-    { 0u, 1u, 2u, 0x3ee013fdu,
+    { 0u, 1u, 2u, 0x50f4e6bcu,
 0x405c5091u, 0x3ea04e5eu, 0xbeb79038u, 0x3eb91b92u, 0x3e9819d1u, 0x3fb95ac1u, 0x4007b572u, 0x3e22bfc3u,
 0x3f832843u, 0x40693cb5u, 0x3e2c547au, 0xbe1eb042u, 0x408a6546u, 0x3e573a76u, 0x3eda5910u, 0x409d29eeu,
 0x3ebe6f47u, 0x3f21a51eu
     },
-    { 131073u, 261u, 1u, 0x05ea8d6du,
+    { 131073u, 261u, 1u, 0xbfb7b51eu,
 0x405c5062u, 0x3e936d8au, 0xbeb790a3u, 0x3eb91adau, 0x3e90ae00u, 0x3fb95aaeu, 0x4007b5adu, 0x3e2d8186u,
 0x3f83284bu, 0x40693d2eu, 0x3e44a3dcu, 0xbe1eaf87u, 0x408a6580u, 0x3e6e4bc3u, 0x3eda596bu, 0x409d29feu,
 0x3ec17fc5u, 0x3f21a52au
     },
-    { 131073u, 206u, 5u, 0x1342b0b5u,
+    { 131073u, 206u, 5u, 0x0f19a3e2u,
 0x405c5091u, 0x3ea04e5eu, 0xbeb79038u, 0x3eb91b92u, 0x3e9819d1u, 0x3fb95ac1u, 0x4007b572u, 0x3e22bfc3u,
 0x3f832843u, 0x40693cb5u, 0x3e2c547au, 0xbe1eb042u, 0x408a6546u, 0x3e573a76u, 0x3eda5910u, 0x409d29eeu,
 0x3ebe6f47u, 0x3f21a51eu
     },
-    { 131073u, 259u, 6u, 0x98cd9d1fu,
+    { 131073u, 259u, 6u, 0xece6fd6cu,
 0x405c5062u, 0x3e936d8au, 0xbeb5fd94u, 0x3eb91adau, 0x3e90ae00u, 0x3fb9bf72u, 0x4007b5adu, 0x3e2d8186u,
 0x3f838d0fu, 0x40693d2eu, 0x3e44a3dcu, 0xbe1b8969u, 0x408a6580u, 0x3e6e4bc3u, 0x3edbec7au, 0x409d29feu,
 0x3ec17fc5u, 0x3f226eb2u
     },
-    { 131073u, 261u, 1u, 0x6d578265u,
+    { 131073u, 261u, 1u, 0x0ae738bcu,
 0x405c5062u, 0x3e936d8au, 0xbeb923b2u, 0x3eb91adau, 0x3e90ae00u, 0x3fb8f5eau, 0x4007b5adu, 0x3e2d8186u,
 0x3f82c387u, 0x40693d2eu, 0x3e44a3dcu, 0xbe21d5a5u, 0x408a6580u, 0x3e6e4bc3u, 0x3ed8c65cu, 0x409d29feu,
 0x3ec17fc5u, 0x3f20dba2u
     },
-    { 131073u, 2u, 4u, 0xf2b0ad77u,
+    { 131073u, 2u, 4u, 0x39e38c06u,
 0x405c5062u, 0x3bbcb52bu, 0xbeb790a3u, 0x3eb91adau, 0x3bb930a4u, 0x3fb95aaeu, 0x4007b5adu, 0x3b5e166eu,
 0x3f83284bu, 0x40693d2eu, 0x3b7bb305u, 0xbe1eaf87u, 0x408a6580u, 0x3b988268u, 0x3eda596bu, 0x409d29feu,
 0x3bf7adc9u, 0x3f21a52au
     },
-    { 131073u, 2u, 4u, 0xab1cb8e8u,
+    { 131073u, 2u, 4u, 0x2ef4d2fdu,
 0x405c5062u, 0xbe936d8au, 0xbeb790a3u, 0x3eb91adau, 0xbe90ae00u, 0x3fb95aaeu, 0x4007b5adu, 0xbe2d8186u,
 0x3f83284bu, 0x40693d2eu, 0xbe44a3dcu, 0xbe1eaf87u, 0x408a6580u, 0xbe6e4bc3u, 0x3eda596bu, 0x409d29feu,
 0xbec17fc5u, 0x3f21a52au
     },
-    { 131073u, 2u, 5u, 0xab5085bfu,
+    { 131073u, 2u, 5u, 0x6d5c43d2u,
 0x408f343fu, 0x3e936d8au, 0xbeb790a3u, 0x3ef0a2e8u, 0x3e90ae00u, 0x3fb95aaeu, 0x40306c2du, 0x3e2d8186u,
 0x3f83284bu, 0x40979af7u, 0x3e44a3dcu, 0xbe1eaf87u, 0x40b3ea59u, 0x3e6e4bc3u, 0x3eda596bu, 0x40cc5030u,
 0x3ec17fc5u, 0x3f21a52au
     },
-    { 131073u, 72u, 5u, 0x04d2db1eu,
+    { 131073u, 72u, 5u, 0x2952b443u,
 0xc08f343fu, 0x3e936d8au, 0xbeb790a3u, 0xbef0a2e8u, 0x3e90ae00u, 0x3fb95aaeu, 0xc0306c2du, 0x3e2d8186u,
 0x3f83284bu, 0xc0979af7u, 0x3e44a3dcu, 0xbe1eaf87u, 0xc0b3ea59u, 0x3e6e4bc3u, 0x3eda596bu, 0xc0cc5030u,
 0x3ec17fc5u, 0x3f21a52au
     },
-    { 131073u, 1u, 3u, 0x22e4a07au,
+    { 131073u, 1u, 3u, 0x3a9c9b2bu,
 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
 0x4e6e6b28u, 0x4e6e6b28u

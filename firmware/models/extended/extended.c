@@ -871,6 +871,39 @@ float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, 
     return u;
 }
 
+/* ---- Feedback -------------------------------------------------------------------------------------------------- */
+
+/* Without correction, at rest, with the integral of the design. */
+EXTENDED_INLINE void extended_loop_init(extended_loop_t *loop)
+{
+    loop->correction_um = 0.0f;
+    loop->before_um = 0.0f;
+    loop->half = EXTENDED_LOOP_HALF;
+}
+
+/* c(k) = c(k-1) + K/2 (f(k) + f(k-1)), f = F of the residual; it stands still at a limit that it would move beyond. */
+EXTENDED_CODE
+float extended_correct(extended_t *self, float residual_um)
+{
+    extended_events_t events = { 0u, 0u, 0u, 0u };
+    const float finite = extended_finite(residual_um, 0.0f, &events.y_rejected);
+    const float residual = extended_limited(finite, -EXTENDED_LOOP_REACH_UM, EXTENDED_LOOP_REACH_UM, &events.y_clamped);
+    const float before = self->loop.correction_um;
+    const float moves = residual;
+    const float step = extended_flushed(self->loop.half * (moves + self->loop.before_um));
+    const uint32_t at_top = (uint32_t)(self->u_V >= self->high_V);
+    const uint32_t at_bottom = (uint32_t)(self->u_V <= self->low_V);
+    const uint32_t winds = (at_top & (uint32_t)(step > 0.0f)) | (at_bottom & (uint32_t)(step < 0.0f));
+    uint32_t limited;
+    const float moved = extended_flushed(extended_limited(before + step, -EXTENDED_LOOP_LIMIT_UM, EXTENDED_LOOP_LIMIT_UM, &limited));
+    const float correction = (winds != 0u) ? before : moved;
+
+    self->loop.before_um = moves;
+    self->loop.correction_um = correction;
+    extended_count_events(self, &events);
+    return correction;
+}
+
 /* ---- Prediction ------------------------------------------------------------------------------------------------ */
 
 EXTENDED_CODE
@@ -900,6 +933,7 @@ void extended_init(extended_t *self, float y_um, float u_V)
     self->high_V = EXTENDED_U_MAX_V;
     self->step_V = EXTENDED_U_STEP_MAX_V;
     (void)extended_inputs_init(&self->inputs, self->u_V);
+    extended_loop_init(&self->loop);
 }
 
 /* The model's output under the input u that reaches the stage, Eq. (4), with base = y S + O; the input acts on the state. */

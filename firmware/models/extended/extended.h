@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "b4a916b1f53e0380c046de3ccaeba02e6fc2de1bbd6dffaa0425428c1f2d2528"
-#define EXTENDED_ALGORITHM_WORD 0xb4a916b1u  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "a3973cf5f1e6cc8824202bbae252415c705a261b4f5647fcce11f2af8c768321"
+#define EXTENDED_ALGORITHM_WORD 0xa3973cf5u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */
@@ -84,6 +84,13 @@ typedef struct {
     extended_creep_t creep;            /**< State of the block `creep`. */
 } extended_inputs_t;
 
+/** State of the feedback. */
+typedef struct {
+    float correction_um;  /**< Last correction [um]. */
+    float before_um;      /**< Residual behind the filter, a sample before [um]. */
+    float half;           /**< Half the integral of a sample; a caller may set another, 0 to 1. */
+} extended_loop_t;
+
 /** Parameters as the sums over the rules need them: consequents times strengths. */
 typedef struct {
     float slope[EXTENDED_BANK_RULES];   /**< Consequents q1 times the strengths of the rules [um/um]. */
@@ -91,7 +98,7 @@ typedef struct {
     float gain[EXTENDED_BANK_RULES];    /**< Consequents q2 times the strengths of the rules [um/um]. */
 } extended_bank_t;
 
-/** One instance of the model, 400 bytes. */
+/** One instance of the model, 412 bytes. */
 typedef struct {
     uint32_t active;           /**< Index of the active bank, 0 or 1. */
     float y_um;                /**< Last output of the model [um], from which a free run continues. */
@@ -105,6 +112,7 @@ typedef struct {
     uint32_t y_rejected;       /**< Number of calls with y not finite. */
     uint32_t u_rejected;       /**< Number of calls with u not finite. */
     extended_inputs_t inputs;  /**< State of the input blocks. */
+    extended_loop_t loop;      /**< State of the feedback. */
     extended_bank_t bank[2];   /**< Both banks of parameters, of which one is active. */
 } extended_t;
 
@@ -174,6 +182,19 @@ void extended_limits(extended_t *self, float low_V, float high_V, float step_V);
  * 714 float +-, 547 float *, 171 float comparisons, 619 integer, 519 loads, 58 stores, 17 branches.
  * C674x: about 2371 cycles (estimate). */
 float extended_inverse(extended_t *self, float y_um, float y_next_um);
+
+/** The correction of the feedback that `hysgen loop` designed, to be added to the reference of extended_inverse:
+ *     c(k) = c(k-1) + K/2 (f(k) + f(k-1)),  f = 1 of the residual
+ * c stays within EXTENDED_LOOP_LIMIT_UM. While self->u_V is at an end of its limits, c does not move the stage further beyond.
+ *
+ * @param self         the instance
+ * @param residual_um  reference less reading [um], both of the same sample, limited to EXTENDED_LOOP_REACH_UM either way; 0
+ *                     stands in for one that is not finite. Both are counted as for a displacement.
+ * @return             c(k) [um]
+ *
+ * 2 float +-, 1 float *, 8 float comparisons, 63 integer, 12 loads, 7 stores.
+ * C674x: about 130 cycles (estimate). */
+float extended_correct(extended_t *self, float residual_um);
 
 #define EXTENDED_LEARNED 18u  /**< parameters that are learned */
 #define EXTENDED_FACTORS 153u  /**< words of U */
@@ -311,8 +332,9 @@ typedef char extended_delay_t_size[(sizeof(extended_delay_t) == 24u) ? 1 : -1]; 
 typedef char extended_hysteresis_t_size[(sizeof(extended_hysteresis_t) == 152u) ? 1 : -1];  /**< static assertion */
 typedef char extended_creep_t_size[(sizeof(extended_creep_t) == 32u) ? 1 : -1];  /**< static assertion */
 typedef char extended_inputs_t_size[(sizeof(extended_inputs_t) == 212u) ? 1 : -1];  /**< static assertion */
+typedef char extended_loop_t_size[(sizeof(extended_loop_t) == 12u) ? 1 : -1];  /**< static assertion */
 typedef char extended_bank_t_size[(sizeof(extended_bank_t) == 72u) ? 1 : -1];  /**< static assertion */
-typedef char extended_t_size[(sizeof(extended_t) == 400u) ? 1 : -1];  /**< static assertion */
+typedef char extended_t_size[(sizeof(extended_t) == 412u) ? 1 : -1];  /**< static assertion */
 typedef char extended_candidate_t_size[(sizeof(extended_candidate_t) == 92u) ? 1 : -1];  /**< static assertion */
 typedef char extended_learner_t_size[(sizeof(extended_learner_t) == 1848u) ? 1 : -1];  /**< static assertion */
 

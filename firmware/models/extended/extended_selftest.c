@@ -99,6 +99,30 @@ static uint32_t extended_selftest_inverse(void)
     return mismatches;
 }
 
+EXTENDED_CODE
+static uint32_t extended_selftest_correct(void)
+{
+    extended_t self;
+    uint32_t mismatches = 0u;
+
+    extended_init(&self, extended_selftest_float(EXTENDED_SELFTEST_CORRECT_START_Y),
+        extended_selftest_float(EXTENDED_SELFTEST_CORRECT_START_U));
+    for (uint32_t k = 0u; k < 32u; ++k) {
+        const uint32_t *row = extended_selftest_correct_rows[k];
+        float result;
+
+        result = extended_correct(&self, extended_selftest_float(row[0]));
+        mismatches += (uint32_t)(extended_selftest_bits(result) != row[1]);
+    }
+    mismatches += (uint32_t)(self.status != EXTENDED_SELFTEST_CORRECT_STATUS);
+    mismatches += (uint32_t)(self.y_clamped != EXTENDED_SELFTEST_CORRECT_Y_CLAMPED);
+    mismatches += (uint32_t)(self.u_clamped != EXTENDED_SELFTEST_CORRECT_U_CLAMPED);
+    mismatches += (uint32_t)(self.y_rejected != EXTENDED_SELFTEST_CORRECT_Y_REJECTED);
+    mismatches += (uint32_t)(self.u_rejected != EXTENDED_SELFTEST_CORRECT_U_REJECTED);
+
+    return mismatches;
+}
+
 /** A model, and its words to hash. */
 typedef union {
     extended_t model;                         /**< The model. */
@@ -213,6 +237,7 @@ uint32_t extended_selftest(void)
     mismatches += extended_selftest_predict();
     mismatches += extended_selftest_simulate();
     mismatches += extended_selftest_inverse();
+    mismatches += extended_selftest_correct();
     mismatches += extended_selftest_learn();
 
     return mismatches;

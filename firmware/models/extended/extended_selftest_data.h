@@ -142,6 +142,51 @@ static const uint32_t extended_selftest_inverse_rows[32][3] = {
     { 0x403922dbu, 0x40386c22u, 0x423e0bb1u },  /* 2.89275, 2.8816 -> 47.5114 */
 };
 
+/* correct: arguments, expected result. */
+#define EXTENDED_SELFTEST_CORRECT_START_Y 0x3fbd03a8u
+#define EXTENDED_SELFTEST_CORRECT_START_U 0x00000000u
+#define EXTENDED_SELFTEST_CORRECT_STATUS 0x00000007u
+#define EXTENDED_SELFTEST_CORRECT_Y_CLAMPED 2u
+#define EXTENDED_SELFTEST_CORRECT_U_CLAMPED 1u
+#define EXTENDED_SELFTEST_CORRECT_Y_REJECTED 3u
+#define EXTENDED_SELFTEST_CORRECT_U_REJECTED 0u
+
+EXTENDED_TABLE
+static const uint32_t extended_selftest_correct_rows[32][2] = {
+    { 0xbf3e0f84u, 0x00000000u },  /* -0.742424 -> 0 */
+    { 0xbeae2e5cu, 0x00000000u },  /* -0.340197 -> 0 */
+    { 0xbfbd03a8u, 0x00000000u },  /* -1.47667 -> 0 */
+    { 0x3f829a76u, 0x00000000u },  /* 1.02034 -> 0 */
+    { 0xbf944bdfu, 0x00000000u },  /* -1.15857 -> 0 */
+    { 0xbfbd03a8u, 0x00000000u },  /* -1.47667 -> 0 */
+    { 0xbfb3a949u, 0x00000000u },  /* -1.4036 -> 0 */
+    { 0xbe862f8cu, 0x00000000u },  /* -0.262082 -> 0 */
+    { 0xf149f2cau, 0x00000000u },  /* -1e+30 -> 0 */
+    { 0x3fb88ed2u, 0x00000000u },  /* 1.44186 -> 0 */
+    { 0x3fba771au, 0x3bbdf6bfu },  /* 1.45676 -> 0.00579724 */
+    { 0xff800000u, 0x3c0eb78fu },  /* -inf -> 0.00871076 */
+    { 0x3ec6251cu, 0x3c1b65f7u },  /* 0.387002 -> 0.00948476 */
+    { 0xbfbb2d23u, 0x3c1b65f7u },  /* -1.46231 -> 0.00948476 */
+    { 0xbfc41e48u, 0x3c1b65f7u },  /* -1.53217 -> 0.00948476 */
+    { 0x3fa1445au, 0x3c1b65f7u },  /* 1.2599 -> 0.00948476 */
+    { 0x3f671dfcu, 0x3c624402u },  /* 0.902801 -> 0.0138102 */
+    { 0x7fc00000u, 0x3c7fd941u },  /* nan -> 0.0156158 */
+    { 0xbfae83d8u, 0x3c7fd941u },  /* -1.3634 -> 0.0156158 */
+    { 0x3fa35f12u, 0x3c7fd941u },  /* 1.27634 -> 0.0156158 */
+    { 0x3fc41e46u, 0x3cadf062u },  /* 1.53217 -> 0.0212328 */
+    { 0xbf9e5172u, 0x3cb2c704u },  /* -1.23686 -> 0.0218234 */
+    { 0x3ea79120u, 0x3cb2c704u },  /* 0.327279 -> 0.0218234 */
+    { 0x7f800000u, 0x3cb823b9u },  /* inf -> 0.022478 */
+    { 0x3e89ea68u, 0x3cbc8d87u },  /* 0.269367 -> 0.0230167 */
+    { 0xbf791ba1u, 0x3cbc8d87u },  /* -0.973078 -> 0.0230167 */
+    { 0xbfbd03a8u, 0x3cbc8d87u },  /* -1.47667 -> 0.0230167 */
+    { 0xbe86812cu, 0x3cbc8d87u },  /* -0.262704 -> 0.0230167 */
+    { 0xbf02dbf3u, 0x3cbc8d87u },  /* -0.511169 -> 0.0230167 */
+    { 0xc09316b6u, 0x3cbc8d87u },  /* -4.59652 -> 0.0230167 */
+    { 0xbf1dcb8bu, 0x3cbc8d87u },  /* -0.616387 -> 0.0230167 */
+    { 0xbed40068u, 0x3cbc8d87u },  /* -0.414066 -> 0.0230167 */
+};
+
 /* learn: arguments, hash of every word of the learner afterwards. */
 #define EXTENDED_SELFTEST_LEARN_START_Y 0x3fbd03a8u
 #define EXTENDED_SELFTEST_LEARN_START_U 0x00000000u
@@ -219,52 +264,52 @@ static const uint32_t extended_selftest_learn_rows[64][3] = {
 /* commit: age, calls, answer, hash of every word of instance and learner afterwards, theta before. */
 EXTENDED_TABLE
 static const uint32_t extended_selftest_commit_rows[10][22] = {
-    { 0u, 1u, 2u, 0xbc9353b3u,
+    { 0u, 1u, 2u, 0x7afa4d86u,
 0x40b0549eu, 0x3de8b891u, 0x368497eeu, 0x40a2dd4au, 0x3dd6ed4bu, 0x36264b37u, 0x405d5ae7u, 0x3d920283u,
 0xb5892dc2u, 0x405d5ad3u, 0x3d91fca9u, 0xb6196b77u, 0x40a2dd36u, 0x3dd6da38u, 0xb5ea8c6du, 0x40b05496u,
 0x3de8a549u, 0xb4beb14au
     },
-    { 131073u, 37u, 1u, 0x5466209du,
+    { 131073u, 37u, 1u, 0x53f68956u,
 0x40b0549bu, 0x3de8a6ffu, 0x00000000u, 0x40a2dd4fu, 0x3dd6e298u, 0x00000000u, 0x405d5b15u, 0x3d920793u,
 0x00000000u, 0x405d5b15u, 0x3d920793u, 0x00000000u, 0x40a2dd4fu, 0x3dd6e298u, 0x00000000u, 0x40b0549bu,
 0x3de8a6ffu, 0x00000000u
     },
-    { 131073u, 37u, 1u, 0x548a7608u,
+    { 131073u, 37u, 1u, 0x078b7625u,
 0x40b0549eu, 0x3de8b891u, 0x368497eeu, 0x40a2dd4au, 0x3dd6ed4bu, 0x36264b37u, 0x405d5ae7u, 0x3d920283u,
 0xb5892dc2u, 0x405d5ad3u, 0x3d91fca9u, 0xb6196b77u, 0x40a2dd36u, 0x3dd6da38u, 0xb5ea8c6du, 0x40b05496u,
 0x3de8a549u, 0xb4beb14au
     },
-    { 131073u, 35u, 6u, 0x16415f6cu,
+    { 131073u, 35u, 6u, 0x8d8f732du,
 0x40b0549bu, 0x3de8a6ffu, 0x3b48d33bu, 0x40a2dd4fu, 0x3dd6e298u, 0x3b48d33bu, 0x405d5b15u, 0x3d920793u,
 0x3b48d33bu, 0x405d5b15u, 0x3d920793u, 0x3b48d33bu, 0x40a2dd4fu, 0x3dd6e298u, 0x3b48d33bu, 0x40b0549bu,
 0x3de8a6ffu, 0x3b48d33bu
     },
-    { 131073u, 37u, 1u, 0x1c3d4520u,
+    { 131073u, 37u, 1u, 0xd94c5877u,
 0x40b0549bu, 0x3de8a6ffu, 0xbb48d33bu, 0x40a2dd4fu, 0x3dd6e298u, 0xbb48d33bu, 0x405d5b15u, 0x3d920793u,
 0xbb48d33bu, 0x405d5b15u, 0x3d920793u, 0xbb48d33bu, 0x40a2dd4fu, 0x3dd6e298u, 0xbb48d33bu, 0x40b0549bu,
 0x3de8a6ffu, 0xbb48d33bu
     },
-    { 131073u, 2u, 4u, 0xcee36021u,
+    { 131073u, 2u, 4u, 0xdb03c3f6u,
 0x40b0549bu, 0x3b14e5c2u, 0x00000000u, 0x40a2dd4fu, 0x3b0986c7u, 0x00000000u, 0x405d5b15u, 0x3abaeaf9u,
 0x00000000u, 0x405d5b15u, 0x3abaeaf9u, 0x00000000u, 0x40a2dd4fu, 0x3b0986c7u, 0x00000000u, 0x40b0549bu,
 0x3b14e5c2u, 0x00000000u
     },
-    { 131073u, 2u, 4u, 0x7a32b822u,
+    { 131073u, 2u, 4u, 0x7b6b25bdu,
 0x40b0549bu, 0xbde8a6ffu, 0x00000000u, 0x40a2dd4fu, 0xbdd6e298u, 0x00000000u, 0x405d5b15u, 0xbd920793u,
 0x00000000u, 0x405d5b15u, 0xbd920793u, 0x00000000u, 0x40a2dd4fu, 0xbdd6e298u, 0x00000000u, 0x40b0549bu,
 0xbde8a6ffu, 0x00000000u
     },
-    { 131073u, 2u, 5u, 0xe2d2db41u,
+    { 131073u, 2u, 5u, 0x91dad2e2u,
 0x40e53ac9u, 0x3de8a6ffu, 0x00000000u, 0x40d3b94du, 0x3dd6e298u, 0x00000000u, 0x408fe19au, 0x3d920793u,
 0x00000000u, 0x408fe19au, 0x3d920793u, 0x00000000u, 0x40d3b94du, 0x3dd6e298u, 0x00000000u, 0x40e53ac9u,
 0x3de8a6ffu, 0x00000000u
     },
-    { 131073u, 2u, 5u, 0xaada94b5u,
+    { 131073u, 2u, 5u, 0x1e16195eu,
 0xc0e53ac9u, 0x3de8a6ffu, 0x00000000u, 0xc0d3b94du, 0x3dd6e298u, 0x00000000u, 0xc08fe19au, 0x3d920793u,
 0x00000000u, 0xc08fe19au, 0x3d920793u, 0x00000000u, 0xc0d3b94du, 0x3dd6e298u, 0x00000000u, 0xc0e53ac9u,
 0x3de8a6ffu, 0x00000000u
     },
-    { 131073u, 1u, 3u, 0x0c2e4b31u,
+    { 131073u, 1u, 3u, 0x6cbabcdeu,
 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u, 0x4e6e6b28u,
 0x4e6e6b28u, 0x4e6e6b28u

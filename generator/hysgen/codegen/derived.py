@@ -11,14 +11,7 @@ import numpy as np
 from hysgen.certify.certificates import Certificates, certify
 from hysgen.codegen.learning import commit_feature, learner_feature
 from hysgen.codegen.operations.cycles import CLOCK_HZ
-from hysgen.codegen.parameters import (
-    Section,
-    block_sections,
-    loop_sections,
-    range_section,
-    rule_section,
-    term_sections,
-)
+from hysgen.codegen.parameters import Section, block_sections, loop_sections, range_section, rule_section, term_sections
 from hysgen.codegen.render import Feature
 from hysgen.errors import CertificateError, ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients

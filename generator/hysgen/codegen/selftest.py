@@ -199,7 +199,7 @@ def _instance_words(committer: Committer, instance: Instance) -> list[int]:
 
 def chains(model: Model, *, inverse: bool) -> list[CallSequence]:
     """One chain per function, with arguments in range, at its limits, outside, tiny, huge and not finite."""
-    functions = ["predict", "simulate", *(["inverse"] if inverse else [])]
+    functions = ["predict", "simulate", *(["inverse"] if inverse else []), *(["correct"] if model.feedback else [])]
     return [_chain(model, function, seed) for seed, function in enumerate(functions, SEED)]
 
 
@@ -210,7 +210,8 @@ def _chain(model: Model, function: str, seed: int) -> CallSequence:
     y, u, y_next = (_column(rng, *limits) for limits in _limits(model))
     ordinary = np.arange(ROWS) % 3 != 2
     y_next[ordinary] = (_followed if model.responds else _reachable)(model, y, rng)[ordinary]
-    arguments = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next]}[function]
+    residual = y - y0
+    arguments = {"predict": [y, u], "simulate": [u], "inverse": [y, y_next], "correct": [residual]}[function]
     channels = [_column(rng, np.float32(-1.0), np.float32(40.0)) for _ in lane.channels]
     rows, comments = [], []
     with np.errstate(all="ignore"):

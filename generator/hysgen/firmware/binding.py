@@ -24,7 +24,8 @@ from hysgen.model.path import preview
 
 BINDING: Final = "model.h"
 TYPES: Final = ("t", "bank_t", "learner_t")
-"""Structs of the generated model that the firmware uses, under the names `model_t`, `model_bank_t`, ..."""
+FUNCTIONS: Final = ("init", "simulate", "limits", "inverse", "learn_init", "learn", "commit", "selftest", "correct")
+"""Structs and functions of the generated model that the firmware uses, under the names `model_t`, `model_init`, ..."""
 
 
 def firmware_model(model: Model, *, aligned: bool = False, forced: bool = False) -> dict[str, str]:
@@ -80,7 +81,6 @@ def binding(model: Model) -> str:
         Constant("Y_MAX_UM", numbers.y_max_um),
         Constant("U_MIN_V", numbers.u_min_V),
         Constant("U_MAX_V", numbers.u_max_V),
-        Constant("GAIN_SIGN", commit.sign),
         Constant("PERIOD_NS", np.uint32(round(1e9 * model.Ts_s))),
         Constant("COMMIT_POINTS", np.uint32(commit.points)),
         Constant("COMMIT_MATURE", np.uint32(commit.settings.mature)),
@@ -91,6 +91,7 @@ def binding(model: Model) -> str:
         "version": version(),
         "weights": len(model.weights),
         "preview": preview(model.blocks),
+        "functions": FUNCTIONS[: len(FUNCTIONS) - (model.feedback is None)],
         "types": typedefs(model.name),
         "constants": constants,
         "build": f"0x{build_id(model):08x}u",
@@ -110,12 +111,13 @@ def build_id(model: Model) -> int:
 
 
 def structure_digest(model: Model) -> tuple[int, ...]:
-    """Four words of the SHA-256 of name, sampling period, ranges, partition, and shapes of terms and blocks.
+    """Four words of the SHA-256 of name, sampling period, ranges, partition, and shapes of terms, blocks and feedback.
 
-    Models with equal digests differ only in the numbers of a bank (rules and weights) and in their history.
+    Models with equal digests differ only in the numbers of a bank (rules, weights, integral of the feedback) and in
+    their history.
     """
-    numbers = coefficients(model)
-    fixed = {
+    numbers, loop = coefficients(model), model.feedback
+    fixed: dict[str, Any] = {
         "name": model.name,
         "Ts_s": model.Ts_s.hex(),
         "rules": numbers.rules,
@@ -124,6 +126,9 @@ def structure_digest(model: Model) -> tuple[int, ...]:
         "terms": [[term.kind, term.size, _shapes(term.constants(model.Ts_s))] for term in model.terms],
         "blocks": [[block.kind, _shapes(block.constants(model.Ts_s))] for block in model.blocks],
     }
+    if loop is not None:
+        filtered = {} if loop.filter is None else _shapes(loop.filter.constants(model.Ts_s))
+        fixed["feedback"] = [filtered, _hex([np.float32(loop.limit_um)])]
     whole = digest(json.dumps(fixed, sort_keys=True).encode())
     return tuple(int(whole[8 * i : 8 * i + 8], 16) for i in range(4))
 

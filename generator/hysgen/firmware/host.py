@@ -27,7 +27,7 @@ from hysgen.model.path import preview
 Floats32 = NDArray[np.float32]
 
 HEADERS: Final = (
-    *("linkage.h", "board_type.h", "board.h", "settings.h", "status.h", "play.h", "trim.h", "watchdog.h", "trace.h"),
+    *("linkage.h", "board_type.h", "board.h", "settings.h", "status.h", "play.h", "bank.h", "watchdog.h", "trace.h"),
     *("controller.h", "image.h", "store.h", "frame.h", "link.h", "integrity.h", "firmware.h"),
 )
 """Hand-written headers that declare what is used from here, each behind those that it includes."""
@@ -59,7 +59,7 @@ class FirmwareStatus(IntFlag):
     OUTPUT_LIMITED = 0x20
     OUTPUT_SLEWED = 0x40
     AMPLIFIER_LIMITS = 0x80
-    TRIM_LIMITED = 0x100
+    LOOP_LIMITED = 0x100
     DEADLINE_MISSED = 0x200
     MODEL = 0x400
     LEARN_SKIPPED = 0x800
@@ -287,7 +287,7 @@ def _declarations(name: str, texts: Mapping[str, str], own: Mapping[str, str]) -
     model = parse_model(texts[f"{name}.json"], f"{name}.json")
     sizes = {"RULES": model.grid.rules, "WEIGHTS": len(model.weights), "PREVIEW": preview(model.blocks)}
     macros = {f"MODEL_{word}": f"{size}u" for word, size in sizes.items()}
-    macros["BANK_WORDS"] = f"{3 * model.grid.rules + len(model.weights)}u"
+    macros["BANK_WORDS"] = f"{3 * model.grid.rules + len(model.weights) + 1}u"
     headers = [preprocessed(own[file], macros) for file in HEADERS]
     return "\n".join(
         [

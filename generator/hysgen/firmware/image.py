@@ -1,8 +1,8 @@
 """Parameter images: the numbers of a model as bytes for running firmware, with SipHash-2-4 as authentication code.
 
 words  0 magic, 1 version, 2 bytes, 3 .. 6 structure digest, 7 rules, 8 weights, 9 and 10 device, 11 build, 12 counter,
-       slope[], offset[], gain[] over the rules, weight[] of the terms (float32), settings, CRC-32 of the words before,
-       SipHash-2-4 of all words before (two words);
+       slope[], offset[], gain[] over the rules, weight[] of the terms, half the integral of the feedback (float32),
+       settings, CRC-32 of the words before, SipHash-2-4 of all words before (two words);
 words are 32 bits, little-endian
 """
 
@@ -56,11 +56,11 @@ def _rotated(x: int, count: int) -> int:
 
 
 MAGIC: Final = 0x49535948
-VERSION: Final = 3
+VERSION: Final = 4
 _MAKE_KEY: Final = "make a key with: openssl rand -hex 16"
 HEADER: Final = "<9IQ2I"
 HEADER_WORDS: Final = 13
-TAIL_WORDS: Final = 3 + SETTINGS_BYTES // 4
+TAIL_WORDS: Final = 4 + SETTINGS_BYTES // 4
 BUILT_IN: Final = bytes(SETTINGS_BYTES)
 """Settings of an image that leaves them to the firmware's build."""
 NO_KEY: Final = bytes(16)
@@ -84,7 +84,7 @@ ANSWERS: Final = {
     15: "refused: for another build of the firmware",
     16: "refused: its counter is not larger than the largest so far, or by more than 65536",
     17: "refused: the firmware's key is all zeros, which is no secret; fill in main_owner",
-    18: "refused: its settings must not run on this board",
+    18: "refused: its settings, or the gain of its feedback, must not run on this board",
 }
 """Meaning of the firmware's `image_answer`."""
 
@@ -118,13 +118,14 @@ class Label:
 
 @dataclass(frozen=True)
 class ParameterImage:
-    """Content of an image: digest of the structure that it fits, the numbers of a bank, its label, and the words of
-    settings_t (`Settings.pack`), BUILT_IN: those of the firmware's build."""
+    """Content of an image: digest of the structure that it fits, the numbers of a bank, its label, the words of
+    settings_t (`Settings.pack`), BUILT_IN: those of the firmware's build, and half the integral of the feedback."""
 
     digest: tuple[int, ...]
     bank: Bank
     label: Label = Label()
     settings: bytes = BUILT_IN
+    half: float = 0.0
 
 
 def encode(model: Model, key: bytes, label: Label = Label()) -> bytes:
@@ -135,7 +136,8 @@ def encode(model: Model, key: bytes, label: Label = Label()) -> bytes:
     numbers = coefficients(unphased(model))
     if numbers.windowed:
         raise ModelError(f"{model.name}: {numbers.rules} rules; the firmware drives models of up to 12, fit with fewer")
-    return pack(ParameterImage(structure_digest(model), numbers.bank, label), key)
+    half = 0.0 if model.feedback is None else float(model.feedback.half)
+    return pack(ParameterImage(structure_digest(model), numbers.bank, label, half=half), key)
 
 
 def pack(image: ParameterImage, key: bytes) -> bytes:
@@ -143,8 +145,8 @@ def pack(image: ParameterImage, key: bytes) -> bytes:
     if key == NO_KEY:
         raise ModelError(f"a key of zeros is no secret, and no firmware takes it; {_MAKE_KEY}")
     bank, label = image.bank, image.label
-    values = np.concatenate([bank.slope, bank.offset, bank.gain, bank.weight]).astype("<f4").tobytes()
-    size = 4 * (HEADER_WORDS + TAIL_WORDS) + len(values)
+    values = np.concatenate([bank.slope, bank.offset, bank.gain, bank.weight, [image.half]]).astype("<f4").tobytes()
+    size = 4 * (HEADER_WORDS + TAIL_WORDS - 1) + len(values)
     counts = (bank.slope.size, bank.weight.size)
     place = (label.device, label.build, label.counter)
     body = struct.pack(HEADER, MAGIC, VERSION, size, *image.digest, *counts, *place) + values + image.settings
@@ -171,16 +173,16 @@ def decode(data: bytes, source: str = "image", key: bytes | None = None) -> Para
         raise ModelError(
             f"{source}: its MAC does not fit its bytes and this key; write it again with the firmware's key"
         )
-    bank = bank_of(data[4 * HEADER_WORDS :], rules, weights)
+    bank, half = bank_of(data[4 * HEADER_WORDS :], rules, weights)
     settings = data[-12 - SETTINGS_BYTES : -12]
-    return ParameterImage(tuple(digest), bank, Label(device, build, counter), settings)
+    return ParameterImage(tuple(digest), bank, Label(device, build, counter), settings, half)
 
 
-def bank_of(data: bytes, rules: int, weights: int) -> Bank:
-    """The numbers of a bank that begin `data`."""
-    values = np.frombuffer(data, "<f4", 3 * rules + weights).astype(np.float32)
+def bank_of(data: bytes, rules: int, weights: int) -> tuple[Bank, float]:
+    """The numbers that begin `data`: those of rules and terms, and half the integral of the feedback."""
+    values = np.frombuffer(data, "<f4", 3 * rules + weights + 1).astype(np.float32)
     slope, offset, gain = values[: 3 * rules].reshape(3, rules)
-    return Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules :])
+    return Bank(slope=slope, offset=offset, gain=gain, weight=values[3 * rules : -1]), float(values[-1])
 
 
 def read_key(file: Path) -> bytes:

@@ -95,6 +95,7 @@ def kept_text(image: ParameterImage) -> str:
     structure = "".join(f"{word:08x}" for word in image.digest)
     settings = vars(Settings.unpack(image.settings))
     result = {"structure": structure, "counter": image.label.counter, "settings": settings, "parameters": numbers}
+    result["half_integral"] = shortest(image.half)
     return json.dumps(result, indent=2) + "\n"
 
 
@@ -104,7 +105,8 @@ def read_kept(file: Path) -> ParameterImage:
         given = json.loads(file.read_text(encoding="utf-8"))
         bank = Bank(**{name: np.array(values, np.float32) for name, values in given["parameters"].items()})
         digest = tuple(struct.unpack(">4I", bytes.fromhex(given["structure"])))
-        return ParameterImage(digest, bank, settings=Settings(**given["settings"]).pack())
+        settings = Settings(**given["settings"]).pack()
+        return ParameterImage(digest, bank, settings=settings, half=float(given["half_integral"]))
     except OSError as fault:
         raise ModelError(f"{file}: cannot be read ({fault.strerror})") from fault
     except (ValueError, KeyError, TypeError, AttributeError, struct.error) as fault:
@@ -199,8 +201,8 @@ class Client:
             raise HysgenError("parameters and settings are read at rest; STOP first")
         data, size = self._read(Command.KEPT, 1, 4096, lambda _: None)
         label = Label(identity.device, identity.build, status.counter)
-        bank = bank_of(data, identity.rules, identity.weights)
-        return ParameterImage(identity.digest, bank, label, data[size - SETTINGS_BYTES : size])
+        bank, half = bank_of(data, identity.rules, identity.weights)
+        return ParameterImage(identity.digest, bank, label, data[size - SETTINGS_BYTES : size], half)
 
     def keep(self, image: ParameterImage, key: bytes, progress: Callable[[float], None] = lambda _: None) -> LinkStatus:
         """`install` of parameters and settings, labelled for the device, build and counter that the firmware tells.

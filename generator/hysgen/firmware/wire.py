@@ -18,7 +18,7 @@ from typing import Final
 
 import numpy as np
 
-PROTOCOL: Final = 5
+PROTOCOL: Final = 6
 ANSWER: Final = 0x80
 CHUNK: Final = 64
 """Bytes of a parameter image, table or record in one frame."""
@@ -90,7 +90,7 @@ class Settings:
     Defaults: the virtual stage, amplifier -20 .. 120 V, sensor -3.3 .. 13.1 um.
     """
 
-    trim: bool = False
+    loop: bool = False
     learn: bool = False
     keep: bool = False
     no_offset: bool = False
@@ -107,8 +107,6 @@ class Settings:
     state_samples: int = 250_000
     reference_step_um: float = 0.02
     follow_um: float = 0.0
-    trim_integral: float = 0.004
-    trim_limit_um: float = 0.25
     reading_zero_um: float = 0.0
     reading_gain: float = 1.0
     output_zero_V: float = 0.0
@@ -127,7 +125,7 @@ class Settings:
         return cls(*(bool(options >> bit & 1) for bit in range(len(OPTIONS))), *map(shortest, words))
 
 
-OPTIONS: Final = ("trim", "learn", "keep", "no_offset")
+OPTIONS: Final = ("loop", "learn", "keep", "no_offset")
 SETTINGS: Final = struct.Struct(
     "<I" + "".join({"float": "f", "int": "I"}.get(str(field.type), "") for field in fields(Settings))
 )

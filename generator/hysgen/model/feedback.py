@@ -24,15 +24,17 @@ from hysgen.model.structs import Member, MirroredStruct
 
 @dataclass(frozen=True)
 class Feedback:
-    """integral: K of a sample, positive; limit_um: largest correction. Raises ModelError if one is not."""
+    """integral: K of a sample, in 0 .. 2; limit_um: largest correction. Raises ModelError if one is not."""
 
     integral: float
     limit_um: float
     filter: Structure | None = None
 
     def __post_init__(self) -> None:
-        if not (0.0 < self.integral < math.inf and 0.0 < self.limit_um < math.inf):
-            raise ModelError(f"feedback: integral {self.integral} and limit_um {self.limit_um} must be positive")
+        if not (0.0 < self.integral <= 2.0 and 0.0 < self.limit_um < math.inf):
+            raise ModelError(
+                f"feedback: integral {self.integral} is not in 0 .. 2, or limit_um {self.limit_um} not positive"
+            )
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, exact."""
@@ -64,6 +66,7 @@ class Feedback:
         own = (
             Member("correction_um", "float", "last correction", unit="um"),
             Member("before_um", "float", "residual behind the filter, a sample before", unit="um"),
+            Member("half", "float", "half the integral of a sample; a caller may set another, 0 to 1"),
         )
         parts = ("position", "velocity")
         modes = (
@@ -75,7 +78,8 @@ class Feedback:
         """What no call leaves, by C path, for residuals up to reach_um."""
         before = symmetric(reach_um) if self.filter is None else self.filter.box(symmetric(reach_um), Ts_s).through
         boxes = {word.path: KEPT for member in self.members() for word in member.words()}
-        return boxes | {"correction_um": symmetric(self.limit_um).outwards(), "before_um": before.outwards()}
+        own = {"correction_um": symmetric(self.limit_um).outwards(), "before_um": before.outwards()}
+        return boxes | own | {"half": Interval(0.0, 1.0)}
 
 
 class FeedbackMirror(MirroredStruct):
@@ -85,6 +89,7 @@ class FeedbackMirror(MirroredStruct):
         self._feedback = feedback
         self.members = () if feedback is None else feedback.members()
         self.correction_um, self.before_um = (np.zeros(lanes, dtype=np.float32) for _ in range(2))
+        self.half = np.full(lanes, np.float32(0.0) if feedback is None else feedback.half)
         modes = 0 if feedback is None else feedback.modes
         self.position, self.velocity = ([np.zeros(lanes, dtype=np.float32)] * modes for _ in range(2))
         self._filter: ModesMirror | None = None
@@ -98,7 +103,7 @@ class FeedbackMirror(MirroredStruct):
         if self._filter is not None:
             moves = flushed(self._filter.direct * residual_um + self._filter.moving(self.position, self.velocity))
             self.position, self.velocity = self._filter.moved(self.position, self.velocity, residual_um)
-        step = flushed(self._feedback.half * (moves + self.before_um))
+        step = flushed(self.half * (moves + self.before_um))
         limit = np.float32(self._feedback.limit_um)
         winds = ((at_top != 0) & (step > 0.0)) | ((at_bottom != 0) & (step < 0.0))
         moved = flushed(limited(self.correction_um + step, -limit, limit))

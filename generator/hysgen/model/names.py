@@ -44,7 +44,7 @@ _ENDINGS: Final = ("_bank", "_c674x", "_component", "_fmu", "_learner", "_params
 
 _OURS: Final = """
 bank board board_ring bytes controller controller_state crc32 firmware frame image image_bench image_owner integrity
-link linkage main model number play settings siphash status store trace trim watchdog watchdog_count
+link linkage main model number play settings siphash status store trace watchdog watchdog_count
 """
 """Files of the controller and of generated folders."""
 

@@ -32,7 +32,7 @@ from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import AccessKind, Trace
 from hysgen_c674x.toolchain import Firmware
 
-TRIM, LEARN = 1, 2
+LOOP, LEARN = 1, 2
 TRACKED: Final = 400
 """Samples in TRACK: one period of the sine."""
 CACHED: Final = 25
@@ -78,9 +78,9 @@ class Timing:
 def timings(model: Model, compiled: Firmware) -> dict[str, Timing]:
     """Timing by what runs. With the idle loop the learner's parameters are committed, and voltages differ."""
     return {
-        "trim": tracked(model, compiled.machine(), TRIM),
-        "trim, learner": tracked(model, compiled.machine(), TRIM | LEARN),
-        "trim, learner, idle loop": tracked(model, compiled.machine(), TRIM | LEARN, idle=True),
+        "loop": tracked(model, compiled.machine(), LOOP),
+        "loop, learner": tracked(model, compiled.machine(), LOOP | LEARN),
+        "loop, learner, idle loop": tracked(model, compiled.machine(), LOOP | LEARN, idle=True),
     }
 
 

@@ -107,7 +107,7 @@ def controllers(f_Hz: float) -> list[Controller]:
         # The offset of a model without memory differs between rest and motion: correcting by it at rest adds error.
         Controller("paper's inverse", paper, replace(settings_for(paper), no_offset=True), paper_V),
         Controller("extended inverse", model, settings, drive_V),
-        Controller("extended, feedback trim", model, replace(settings, trim=True), drive_V),
+        Controller("extended, feedback", model, replace(settings, loop=True), drive_V),
         Controller("extended, learning", model, replace(settings, learn=True), drive_V),
     ]
 

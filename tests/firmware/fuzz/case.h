@@ -43,14 +43,14 @@ typedef struct {
     firmware_t firmware;
     settings_t settings;
     image_owner_t owner;
-    model_bank_t built_in;
+    bank_t built_in;
     float reference_um[1];
     uint8_t line[FUZZ_LINE];
 } fuzz_t;
 
 /* Images that a case may send, and the parameters in them. */
 extern uint8_t fuzz_image[FUZZ_IMAGES][IMAGE_BYTES];
-extern model_bank_t fuzz_bank[FUZZ_IMAGES];
+extern bank_t fuzz_bank[FUZZ_IMAGES];
 
 static inline uint32_t fuzz_word(fuzz_t *self)
 {

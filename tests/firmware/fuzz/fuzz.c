@@ -17,7 +17,7 @@
 #define SLOW_DRIFT  4.0e-6f  /* a half in 125 000 samples, 2.5 s */
 
 uint8_t fuzz_image[FUZZ_IMAGES][IMAGE_BYTES];
-model_bank_t fuzz_bank[FUZZ_IMAGES];
+bank_t fuzz_bank[FUZZ_IMAGES];
 
 static uint8_t *fuzz_reached;   /* FUZZ_FEATURES flags of the present case */
 
@@ -28,16 +28,9 @@ void fuzz_give(const uint8_t *images)
         const uint8_t *number = &fuzz_image[i][4u * IMAGE_HEADER];
 
         memset(&fuzz_bank[i], 0, sizeof fuzz_bank[i]);
-        for (uint32_t l = 0u; l < MODEL_RULES; ++l) {
-            fuzz_bank[i].slope[l] = number_of(bytes_word(&number[4u * l]));
-            fuzz_bank[i].offset[l] = number_of(bytes_word(&number[4u * (MODEL_RULES + l)]));
-            fuzz_bank[i].gain[l] = number_of(bytes_word(&number[4u * (2u * MODEL_RULES + l)]));
+        for (uint32_t j = 0u; j < BANK_WORDS; ++j) {
+            hysgen_bank_put(&fuzz_bank[i], j, bytes_word(&number[4u * j]));
         }
-#ifdef MODEL_TERMS
-        for (uint32_t j = 0u; j < MODEL_WEIGHTS; ++j) {
-            fuzz_bank[i].weight[j] = number_of(bytes_word(&number[4u * (3u * MODEL_RULES + j)]));
-        }
-#endif
     }
 }
 
@@ -58,7 +51,7 @@ static double stage_step(void *plant, double u_V)
 }
 
 /* Parameters of the next start: number of the image that holds them, FUZZ_IMAGES for the built-in ones, FUZZ_IMAGES + 1 for others. */
-static uint32_t parameters_of(const fuzz_t *self, const model_bank_t *bank)
+static uint32_t parameters_of(const fuzz_t *self, const bank_t *bank)
 {
     uint32_t found = FUZZ_IMAGES + 1u;
 
@@ -127,17 +120,17 @@ static uint32_t broken_stuck(const fuzz_t *self, float before_V)
     return ((must != 0u) && (told == 0u)) ? FUZZ_STUCK : 0u;
 }
 
-/* Invariants of TRACK without a fault. Offset and trim are inside their limits. The stage is within follow_um of the displacement
+/* Invariants of TRACK without a fault. Offset and correction are inside their limits. The stage is within follow_um of the displacement
  * that the firmware expects of it, or outside no longer than WATCHDOG_ASTRAY; not judged while readings are none.
  *
- * The expected displacement is the model's plus the offset that HOLD found, without the trim's correction: an amplifier that fails
+ * The expected displacement is the model's plus the offset that HOLD found, without the feedback's correction: an amplifier that fails
  * before HOLD may leave an offset of up to offset_um between model and stage (seed 5590 of the fuzzer without this term). A sensor
  * that repeats or invents believable readings is another matter: broken_stuck. */
 static uint32_t broken_tracking(fuzz_t *self)
 {
     const controller_t *controller = &self->firmware.controller;
     const settings_t *s = &self->settings;
-    const float trim_um = ((s->options & SETTINGS_TRIM) != 0u) ? s->trim_limit_um : 0.0f;
+    const float most_um = ((s->options & SETTINGS_LOOP) != 0u) ? MODEL_LOOP_LIMIT_UM : 0.0f;
     const uint32_t tracks = (uint32_t)((controller->state == CONTROLLER_TRACK) && ((controller->status & STATUS_FAULTS) == 0u));
     const uint32_t judged = tracks & (uint32_t)(self->lied == 0u) & (uint32_t)(self->board.fault != HOST_FAULT_READING);
     uint32_t broken = 0u;
@@ -147,7 +140,7 @@ static uint32_t broken_tracking(fuzz_t *self)
     far = (uint32_t)(number_size(self->stage.y_um - controller->expected_um[controller->oldest]) > controller->watchdog.follow_um + NOISE_UM);
     self->apart = ((judged & far) != 0u) ? self->apart + 1u : 0u;
     if ((tracks != 0u) && ((number_size(controller->offset_um) > s->offset_um)
-                           || (number_size(controller->trim.correction_um) > trim_um))) {
+                           || (number_size(controller->model.loop.correction_um) > most_um))) {
         broken = FUZZ_CORRECTION;
     } else if (self->apart > WATCHDOG_ASTRAY + 9u) {
         broken = FUZZ_APART;
@@ -158,7 +151,7 @@ static uint32_t broken_tracking(fuzz_t *self)
 }
 
 /* A sensor that drifts from the first sample of TRACK on is told once its reading has been wrong by more than follow_um for WATCHDOG_ASTRAY,
- * whatever trim and learning make of it: the stage is the model of START. wrong_um: of the reading of this interrupt. */
+ * whatever feedback and learning make of it: the stage is the model of START. wrong_um: of the reading of this interrupt. */
 static uint32_t broken_drift(fuzz_t *self, float wrong_um)
 {
     const controller_t *controller = &self->firmware.controller;
@@ -320,7 +313,7 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     self.random = seed * 0x9E3779B97F4A7C15u + 0x1234567u;
     (void)fuzz_word(&self);
     /* Every sixteenth sensor drifts, by a half in 500 to 8000 samples either way, in a long case of few events; every 4096th so slowly, in a
-     * case of few more, that trim and learning follow it from commit to commit. */
+     * case of few more, that feedback and learning follow it from commit to commit. */
     slow = (uint32_t)((seed & 4095u) == 4095u);
     self.drift = ((seed & 15u) == 15u) ? 0.001f / (float)(1u + ((seed >> 6) & 15u)) : 0.0f;
     self.drift = (slow != 0u) ? SLOW_DRIFT : self.drift;
@@ -330,7 +323,7 @@ uint32_t fuzz_case(uint64_t seed, uint32_t interrupts, uint8_t *features, uint64
     self.calm = (self.drift != 0.0f) ? self.calm : 1u;
     fuzz_settings(&self);
     if (slow != 0u) {
-        self.settings.options |= SETTINGS_TRIM | SETTINGS_LEARN;
+        self.settings.options |= SETTINGS_LOOP | SETTINGS_LEARN;
         self.kind = 1u;
     }
     memset(self.board.store, 0xFF, sizeof self.board.store);

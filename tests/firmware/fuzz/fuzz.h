@@ -13,7 +13,7 @@
 #define FUZZ_REFUSED     0x10u  /* the voltage is not the safe one although the settings were refused */
 #define FUZZ_STORE       0x20u  /* a reset lost the parameters of an image that was acknowledged */
 #define FUZZ_PANIC       0x40u  /* hysgen_firmware_panic changed the voltage, or left the amplifier on */
-#define FUZZ_CORRECTION  0x80u  /* offset or trim beyond their limits while the inverse drives */
+#define FUZZ_CORRECTION  0x80u  /* offset or correction beyond their limits while the inverse drives */
 #define FUZZ_STUCK       0x100u /* the input moved by WATCHDOG_STUCK_V while the reading repeated itself, and no fault was told */
 #define FUZZ_STATUS      0x200u /* a bit of the status word disappeared without CLEAR */
 #define FUZZ_ARMED       0x400u /* the amplifier is on without a START since it was off, or behind a reset under power without CLEAR */

@@ -44,8 +44,6 @@ void fuzz_settings(fuzz_t *self)
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
     s->follow_um = fuzz_float(self, 0.05f, 1.0f);
     s->follow_um = (s->follow_um < 0.9f) ? s->follow_um : 0.0f;
-    s->trim_integral = fuzz_float(self, 0.0f, 0.02f);
-    s->trim_limit_um = fuzz_float(self, 0.0f, 0.5f);
     s->reading_gain = 1.0f;
     s->output_gain = 1.0f;
     if (fuzz_below(self, 4u) == 0u) {

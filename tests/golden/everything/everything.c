@@ -1125,11 +1125,12 @@ EVERYTHING_INLINE float everything_terms_sum_ahead(const everything_bank_t *bank
 
 /* ---- Feedback -------------------------------------------------------------------------------------------------- */
 
-/* Without correction, at rest. */
+/* Without correction, at rest, with the integral of the design. */
 EVERYTHING_INLINE void everything_loop_init(everything_loop_t *loop)
 {
     loop->correction_um = 0.0f;
     loop->before_um = 0.0f;
+    loop->half = EVERYTHING_LOOP_HALF;
     for (uint32_t j = 0u; j < 1u; ++j) {
         loop->position[j] = 0.0f;
         loop->velocity[j] = 0.0f;
@@ -1161,7 +1162,7 @@ float everything_correct(everything_t *self, float residual_um)
     const float residual = everything_limited(finite, -EVERYTHING_LOOP_REACH_UM, EVERYTHING_LOOP_REACH_UM, &events.y_clamped);
     const float before = self->loop.correction_um;
     const float moves = everything_loop_filter(&self->loop, residual);
-    const float step = everything_flushed(EVERYTHING_LOOP_HALF * (moves + self->loop.before_um));
+    const float step = everything_flushed(self->loop.half * (moves + self->loop.before_um));
     const uint32_t at_top = (uint32_t)(self->u_V >= self->high_V);
     const uint32_t at_bottom = (uint32_t)(self->u_V <= self->low_V);
     const uint32_t winds = (at_top & (uint32_t)(step > 0.0f)) | (at_bottom & (uint32_t)(step < 0.0f));

@@ -112,6 +112,34 @@ static uint32_t everything_selftest_inverse(void)
 }
 
 EVERYTHING_CODE
+static uint32_t everything_selftest_correct(void)
+{
+    everything_t self;
+    uint32_t mismatches = 0u;
+
+    everything_init(&self, everything_selftest_float(EVERYTHING_SELFTEST_CORRECT_START_Y),
+        everything_selftest_float(EVERYTHING_SELFTEST_CORRECT_START_U));
+    for (uint32_t k = 0u; k < 32u; ++k) {
+        const uint32_t *row = everything_selftest_correct_rows[k];
+        const float aux[EVERYTHING_CHANNELS] = {
+            everything_selftest_float(row[1]),
+        };
+        float result;
+
+        everything_aux(&self, aux);
+        result = everything_correct(&self, everything_selftest_float(row[0]));
+        mismatches += (uint32_t)(everything_selftest_bits(result) != row[2]);
+    }
+    mismatches += (uint32_t)(self.status != EVERYTHING_SELFTEST_CORRECT_STATUS);
+    mismatches += (uint32_t)(self.y_clamped != EVERYTHING_SELFTEST_CORRECT_Y_CLAMPED);
+    mismatches += (uint32_t)(self.u_clamped != EVERYTHING_SELFTEST_CORRECT_U_CLAMPED);
+    mismatches += (uint32_t)(self.y_rejected != EVERYTHING_SELFTEST_CORRECT_Y_REJECTED);
+    mismatches += (uint32_t)(self.u_rejected != EVERYTHING_SELFTEST_CORRECT_U_REJECTED);
+
+    return mismatches;
+}
+
+EVERYTHING_CODE
 uint32_t everything_selftest(void)
 {
     uint32_t mismatches = 0u;
@@ -119,6 +147,7 @@ uint32_t everything_selftest(void)
     mismatches += everything_selftest_predict();
     mismatches += everything_selftest_simulate();
     mismatches += everything_selftest_inverse();
+    mismatches += everything_selftest_correct();
 
     return mismatches;
 }

@@ -142,4 +142,49 @@ static const uint32_t everything_selftest_inverse_rows[32][4] = {
     { 0x4067a433u, 0x4066169bu, 0x41acd8cfu, 0x42240000u },  /* 3.6194, 3.59513, 21.6059 -> 41 */
 };
 
+/* correct: arguments, auxiliary channels, expected result. */
+#define EVERYTHING_SELFTEST_CORRECT_START_Y 0x400cb1c4u
+#define EVERYTHING_SELFTEST_CORRECT_START_U 0x00000000u
+#define EVERYTHING_SELFTEST_CORRECT_STATUS 0x000000c5u
+#define EVERYTHING_SELFTEST_CORRECT_Y_CLAMPED 2u
+#define EVERYTHING_SELFTEST_CORRECT_U_CLAMPED 0u
+#define EVERYTHING_SELFTEST_CORRECT_Y_REJECTED 3u
+#define EVERYTHING_SELFTEST_CORRECT_U_REJECTED 0u
+
+EVERYTHING_TABLE
+static const uint32_t everything_selftest_correct_rows[32][3] = {
+    { 0xbf3eba3au, 0x421027a6u, 0xbc0f712bu },  /* -0.745029, 36.0387 -> -0.00875501 */
+    { 0xbeaecaccu, 0x41f5c845u, 0xbcbb34a3u },  /* -0.341391, 30.7228 -> -0.0228522 */
+    { 0xc00cb1c4u, 0x42200000u, 0xbd6515c8u },  /* -2.19835, 40 -> -0.055929 */
+    { 0x3f830fc6u, 0x4188af40u, 0xbd9e6ddau },  /* 1.02392, 17.0856 -> -0.077358 */
+    { 0xbf94d113u, 0x401c3c3au, 0xbdb4f19bu },  /* -1.16263, 2.44118 -> -0.0883515 */
+    { 0xc00cb1c4u, 0x000116c2u, 0xbe0c1e4du },  /* -2.19835, 9.99995e-41 -> -0.136834 */
+    { 0xbfb44aaau, 0x41b85423u, 0xbe4608f5u },  /* -1.40853, 23.0411 -> -0.193394 */
+    { 0xbe86a814u, 0x4198774au, 0xbe6e23ccu },  /* -0.263001, 19.0582 -> -0.232558 */
+    { 0xf149f2cau, 0x00000000u, 0xbe95e7c8u },  /* -1e+30, 0 -> -0.292784 */
+    { 0x3fb93498u, 0x420be0eau, 0xbe99999au },  /* 1.44692, 34.9696 -> -0.3 */
+    { 0x3fbb1e98u, 0x420bce2au, 0xbe953a12u },  /* 1.46187, 34.9513 -> -0.291459 */
+    { 0xff800000u, 0x7fc00000u, 0xbe95881fu },  /* -inf, nan -> -0.292054 */
+    { 0x3ec6d718u, 0x420e58e9u, 0xbe9994deu },  /* 0.38836, 35.5868 -> -0.299964 */
+    { 0xbfbbd542u, 0xbe7d54f8u, 0xbe99999au },  /* -1.46745, -0.247394 -> -0.3 */
+    { 0xbfc4ce70u, 0xff800000u, 0xbe99999au },  /* -1.53755, -inf -> -0.3 */
+    { 0x3fa1d536u, 0xbf00584bu, 0xbe99999au },  /* 1.26432, -0.501347 -> -0.3 */
+    { 0x3f67ed98u, 0x412ed29eu, 0xbe9264ebu },  /* 0.905969, 10.9264 -> -0.285926 */
+    { 0x7fc00000u, 0x42a20000u, 0xbe8ff0fcu },  /* nan, 81 -> -0.281135 */
+    { 0xbfaf2098u, 0x41790ac7u, 0xbe999516u },  /* -1.36818, 15.5651 -> -0.299966 */
+    { 0x3fa3f1d2u, 0x41c9d179u, 0xbe99999au },  /* 1.28082, 25.2273 -> -0.3 */
+    { 0x3fc4ce70u, 0xf149f2cau, 0xbe8a4ad8u },  /* 1.53755, -1e+30 -> -0.270102 */
+    { 0xbf9edfa6u, 0x40f00a2eu, 0xbe872be5u },  /* -1.2412, 7.50124 -> -0.264007 */
+    { 0x3ea827a8u, 0x41b6afe6u, 0xbe8aca88u },  /* 0.328428, 22.8359 -> -0.271076 */
+    { 0x7f800000u, 0x7f800000u, 0xbe87abaau },  /* inf, inf -> -0.264982 */
+    { 0x3e8a6648u, 0x40f079e3u, 0xbe8495c5u },  /* 0.270312, 7.51488 -> -0.258955 */
+    { 0xbf79fb62u, 0x41bdaeb8u, 0xbe872d08u },  /* -0.976492, 23.7103 -> -0.264015 */
+    { 0xc00cb1c4u, 0xbf800000u, 0xbe995ddfu },  /* -2.19835, -1 -> -0.299544 */
+    { 0xbe86f9fcu, 0x3f8a95edu, 0xbe99999au },  /* -0.263626, 1.0827 -> -0.3 */
+    { 0xbf03517cu, 0x41f26908u, 0xbe99999au },  /* -0.512962, 30.3013 -> -0.3 */
+    { 0xc0939ad4u, 0xc2280000u, 0xbe99999au },  /* -4.61265, -42 -> -0.3 */
+    { 0xbf1e5946u, 0xbe4d1aafu, 0xbe99999au },  /* -0.61855, -0.200297 -> -0.3 */
+    { 0xbed4bed4u, 0x41bb9c4eu, 0xbe99999au },  /* -0.415518, 23.4513 -> -0.3 */
+};
+
 #endif

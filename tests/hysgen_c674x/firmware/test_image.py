@@ -27,7 +27,7 @@ from hysgen_c674x.firmware import timing
 from hysgen_c674x.firmware.boot_image import boot_image
 from hysgen_c674x.firmware.simulated import compile_image
 from hysgen_c674x.firmware.target import link_image
-from hysgen_c674x.firmware.timing import LEARN, TRIM, Timing, tracked
+from hysgen_c674x.firmware.timing import LEARN, LOOP, Timing, tracked
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.packets import Packet
 from hysgen_c674x.processor import AccessKind, Trace
@@ -165,7 +165,7 @@ FETCH, LOAD, STORE = AccessKind.FETCH, AccessKind.LOAD, AccessKind.STORE
 @functools.cache
 def without_and_with_learner() -> tuple[Timing, Timing]:
     compiled = compile_image(firmware_model(model()))
-    return tracked(model(), compiled.machine(), TRIM), tracked(model(), compiled.machine(), TRIM | LEARN)
+    return tracked(model(), compiled.machine(), LOOP), tracked(model(), compiled.machine(), LOOP | LEARN)
 
 
 @pytest.mark.slow
@@ -184,7 +184,7 @@ def test_the_page_states_the_cycles_to_the_output() -> None:
     need_compiler()
     without, learning = without_and_with_learner()
     page = PAGE.read_text(encoding="utf-8")
-    for name, each in {"trim": without, "trim, learner": learning}.items():
+    for name, each in {"loop": without, "loop, learner": learning}.items():
         row = f"| Appendix A, {name} | {min(each.delay)} .. {max(each.delay)} | {max(each.total)} |"
         assert row in page, row
 
@@ -206,7 +206,7 @@ def test_a_learner_before_the_output_is_seen(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr("hysgen_c674x.firmware.simulated.read_sources", planted)
     compiled = compile_image(firmware_model(model()))
-    without, learning = (tracked(model(), compiled.machine(), options) for options in (TRIM, TRIM | LEARN))
+    without, learning = (tracked(model(), compiled.machine(), options) for options in (LOOP, LOOP | LEARN))
     assert min(learning.delay) > max(without.delay) + 500
 
 
@@ -217,7 +217,7 @@ def test_with_kernels_the_extended_model_learns_within_its_period() -> None:
     extended = with_learner(load_model("extended"))
     texts = firmware_model(extended, aligned=True)
     texts = with_kernels(extended.name, texts, kernels(extended.name, texts))
-    found = tracked(extended, compile_image(texts).machine(), TRIM | LEARN, idle=True)
+    found = tracked(extended, compile_image(texts).machine(), LOOP | LEARN, idle=True)
     assert found.left(7500, 6, found.warm) > 0
     assert found.warm.lines < 500
 

@@ -80,7 +80,7 @@ def test_the_board_to_fill_in_comes_with_the_settings_that_the_host_tries() -> N
     main = (FOLDERS.parent / "board" / "c6748" / "main.c").read_text(encoding="utf-8")
     written = {name: float(value) for name, value in re.findall(r"^    \.(\w+) = ([-\d.]+)[fu],$", main, re.MULTILINE)}
     tried = dataclasses.asdict(Settings())
-    assert not any(tried.pop(option) for option in ("trim", "learn", "keep", "no_offset"))
+    assert not any(tried.pop(option) for option in ("loop", "learn", "keep", "no_offset"))
     assert written == pytest.approx({"options": 0} | tried, rel=1e-7)
 
 

@@ -219,9 +219,9 @@ def test_tracking_by_the_firmware_is_scored_from_the_end_of_the_rest_on() -> Non
     assert {case.f_Hz: case.published.e_rms_nm for case in TRACKED} == tracking.PAPER_NM
     # White noise of 0.5 nm, and the rounding to 0.5 nm.
     assert tracking.sensor_noise_nm() == pytest.approx(math.hypot(0.5, 0.5 / math.sqrt(12)))
-    one = TrackingResult("trim", 50.0, 1.234, -0.5, 1.1, 0.9, (10.04, 60.06), 3, "OK")
+    one = TrackingResult("loop", 50.0, 1.234, -0.5, 1.1, 0.9, (10.04, 60.06), 3, "OK")
     text = tracking_table([one], 0.52).splitlines()
-    assert text[2].split() == ["50", "Hz,", "trim", "1.23", "-0.50", "1.10", "0.90", "10.0", "..", "60.1", "3"]
+    assert text[2].split() == ["50", "Hz,", "loop", "1.23", "-0.50", "1.10", "0.90", "10.0", "..", "60.1", "3"]
     assert text[3] == "sensor: 0.52 nm rms; the paper's own stage, by its inverse: 18.6 nm at 50 Hz, 15.2 nm at 100 Hz"
 
 

@@ -11,14 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, cast
 
-from hysgen.checking.bits.comparison import (
-    SETUP,
-    START_SAMPLES,
-    Task,
-    compare_selftest,
-    compare_task,
-    tasks,
-)
+from hysgen.checking.bits.comparison import SETUP, START_SAMPLES, Task, compare_selftest, compare_task, tasks
 from hysgen.checking.bits.functions import LEARNING_SHARE, SHARES
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
 from hysgen.checking.bits.report import ComparedRun, Mismatch, Report

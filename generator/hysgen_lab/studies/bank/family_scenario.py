@@ -21,14 +21,7 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.prepare import IDENTIFY
 from hysgen.machine.kernels.operators import lag_states
 from hysgen.record import Record
-from hysgen_lab.stage import (
-    CreepEffect,
-    Measurement,
-    NoiseEffect,
-    ResonanceEffect,
-    Stage,
-    run,
-)
+from hysgen_lab.stage import CreepEffect, Measurement, NoiseEffect, ResonanceEffect, Stage, run
 from hysgen_lab.stage.effects import UNKNOWN, Effect, Setting
 from hysgen_lab.stage.effects.amplifier import GainStepEffect
 from hysgen_lab.stage.effects.mechanics import StickSlipEffect

@@ -1,17 +1,17 @@
-"""Feedback trim at the limits of the output: the integral does not wind up, whatever the sign of the gain."""
+"""The model's feedback in the firmware: no wind-up at the limits of the output, whatever the sign of the gain."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import TRIM_INTEGRAL, ModelStage, model
+from fixtures.firmware_bench import ModelStage, model
 from hysgen.firmware.binding import firmware_model
 from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.model.model import Model
 
 LOW_V, HIGH_V = 22.0, 56.0
-TRIMMED = Settings(trim=True, low_V=0.0, high_V=60.0, follow_um=3.0, trim_limit_um=0.25)
+LOOPED = Settings(loop=True, low_V=0.0, high_V=60.0, follow_um=3.0)
 
 
 def narrowed() -> Model:
@@ -25,26 +25,20 @@ def mirrored() -> Model:
     return replace(narrowed(), consequents=np.stack([q1, -q2, q3 + q2 * (LOW_V + HIGH_V)], axis=1))
 
 
-def largest_pole(integral: float, delay: int, gain: float) -> float:
-    """Modulus of the largest root of z^delay (z - 1) + gain integral z: trim.h and a stage, `delay` samples late."""
-    polynomial = np.polymul(np.r_[1.0, np.zeros(delay)], [1.0, -1.0])
-    return float(np.abs(np.roots(np.polyadd(polynomial, [gain * integral, 0.0]))).max())
-
-
-@pytest.mark.parametrize("delay", [1, 2, 3, 5, 9])
-def test_the_largest_gain_that_settings_may_have_leaves_the_loop_stable(delay: int) -> None:
-    """delay: preview + 1; stages of half to one and a half of the model's gain."""
-    for integral in np.linspace(0.002, TRIM_INTEGRAL, 7):
-        assert max(largest_pole(integral / delay, delay, gain) for gain in (0.5, 1.0, 1.5)) < 1.0
-    assert largest_pole(3.0 / delay, delay, 1.0) > 1.0
-
-
 def started(driven: Model, settings: Settings, reference_um: float) -> HostFirmware:
     stage = ModelStage(driven)
     firmware = HostFirmware(HostImage.compile(driven.name, firmware_model(driven)), stage, settings)
     firmware.start(reference_um)
     assert firmware.state is State.TRACK
     return firmware
+
+
+def test_a_model_without_feedback_is_driven_by_feed_forward_alone() -> None:
+    logs = []
+    for driven, loop in ((model(), False), (replace(model(), feedback=None), True)):
+        firmware = started(driven, Settings(loop=loop), 2.0)
+        logs.append(firmware.run(2.0 + 0.5 * np.sin(0.01 * np.arange(1000))))
+    assert np.array_equal(logs[0].output_V, logs[1].output_V)
 
 
 def reached_um(driven: Model, u_V: float) -> float:
@@ -58,11 +52,11 @@ def reached_um(driven: Model, u_V: float) -> float:
 @pytest.mark.parametrize("driven", [narrowed, mirrored], ids=lambda each: each.__name__)
 @pytest.mark.slow
 def test_a_drift_that_comes_and_goes_at_the_end_of_the_range_leaves_nothing_behind(driven: object) -> None:
-    """While the drift lasts the output rests at its limit; afterwards the trim must let go of it."""
+    """While the drift lasts the output rests at its limit; afterwards the feedback must let go of it."""
     plant = driven()  # type: ignore[operator]
     lowest_um = min(reached_um(plant, LOW_V), reached_um(plant, HIGH_V))
     reference_um = lowest_um + 0.08
-    firmware = started(plant, TRIMMED, reference_um)
+    firmware = started(plant, LOOPED, reference_um)
     firmware.stage.sensor = lambda y_um: y_um + 0.2  # type: ignore[attr-defined]
     firmware.run(np.full(5000, reference_um))
     firmware.stage.sensor = lambda y_um: y_um  # type: ignore[attr-defined]
@@ -77,7 +71,7 @@ def test_limits_of_the_settings_inside_the_models_range_do_not_wind_up(
     driven: object, limits_V: dict[str, float]
 ) -> None:
     plant = driven()  # type: ignore[operator]
-    settings = replace(TRIMMED, loop_low_V=34.0, loop_high_V=44.0, **limits_V)
+    settings = replace(LOOPED, loop_low_V=34.0, loop_high_V=44.0, **limits_V)
     limit_V = next(iter(limits_V.values()))
     limit_um, middle_um = reached_um(plant, limit_V), reached_um(plant, 39.0)
     firmware = started(plant, settings, middle_um)
@@ -85,4 +79,4 @@ def test_limits_of_the_settings_inside_the_models_range_do_not_wind_up(
     firmware.run(np.full(4000, beyond_um))
     assert firmware.board.output_V == limit_V
     # The residual before the limit is reached may stay; what builds up at the limit may not.
-    assert abs(firmware.firmware.controller.trim.correction_um) < 0.1
+    assert abs(firmware.firmware.controller.model.loop.correction_um) < 0.1
