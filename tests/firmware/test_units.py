@@ -263,7 +263,7 @@ def test_after_power_on_every_number_of_the_status_is_that_of_a_stage_at_rest() 
 @pytest.mark.parametrize("name", ["appendix_a", "extended"])
 @pytest.mark.parametrize("level", ["-O2", "-O3"])
 def test_the_self_test_passes_under_link_time_optimisation(name: str, level: str) -> None:
-    """73 words differ once all is inlined where the hash reads words of a struct of floats through a pointer to uint32_t."""
+    """73 words differ, with all inlined, where the hash reads floats of a struct through a pointer to uint32_t."""
     need("gcc")
     toolchain = Toolchain("gcc", (level, "-flto", "-finline-limit=100000"))
     sources = c_files(firmware_model(model() if name == "appendix_a" else extended()))
