@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import KEY, ModelStage, booted, compiled, image, model, sine, tracking
+from hysgen.api.models import design_loop
 from hysgen.errors import ModelError
 from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
 from hysgen.firmware.host import FAULTS, SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
@@ -173,7 +174,7 @@ def test_an_image_that_arrives_while_the_stage_moves_waits_until_it_is_off() -> 
 def test_a_refit_over_the_same_range_is_an_image_that_running_firmware_takes() -> None:
     drive_V = nested_amplitudes(TS_S, (100.0, 50.0), 40.0, 15.0, 4)
     old = with_learner(identified(drive_V, FitSettings(name="refitted", method="batch")))
-    old = replace(old, feedback=model().feedback)
+    old = design_loop(old).around(old)
     # A second record inside the range of the first, of a stage that has lost 3 % of its gain.
     again_V = nested_amplitudes(TS_S, (70.0,), 40.0, 12.0, 5)
     record = measured(again_V)

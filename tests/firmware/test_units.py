@@ -1,4 +1,4 @@
-"""Trim, frames, answers, images and settings in C: each function alone, by hand and at both sides of each limit."""
+"""Frames, answers, images and settings in C: each function alone, by hand and at both sides of each limit."""
 
 import functools
 import struct

@@ -1,8 +1,7 @@
 """Interrupt and idle loop of the firmware on the simulated C674x: bits against the host, cycles by state.
 
 The plant is the model itself with gains reduced by 3 %, read through a noisy sensor. A start runs through every state
-up to tracking, with feedback and learning on, and learned parameters are committed. Host and simulator get equal
-readings.
+up to tracking, with feedback and learning, and learned parameters are committed. Host and simulator get equal readings.
 """
 
 from collections.abc import Mapping
