@@ -7,7 +7,8 @@ import pytest
 
 from hysgen.diagnosis.causes import VOCABULARY
 from hysgen.diagnosis.identifiability import Inspection, inspect
-from hysgen.record import Record, check_for_fit
+from hysgen.fitting import check_for_fit
+from hysgen.record import Record
 
 TS_S = 1e-3
 RNG = np.random.default_rng(3)

@@ -123,8 +123,7 @@ def test_a_model_identified_again_has_its_loop_if_the_margins_stay(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     record = demo_record()[:6000]
-    model = hysgen.fit(record)
-    loop = hysgen.design_loop(model, latency=3.0, frequency=0.05)
+    loop = hysgen.design_loop(model := hysgen.fit(record), latency=3.0, frequency=0.05)
     looped = loop.around(model)
     later = hysgen.Record.from_arrays(record.u_V, 1.02 * record.y_um, record.Ts_s)
     again, _ = hysgen.refit(looped, later)
@@ -137,8 +136,9 @@ def test_a_model_identified_again_has_its_loop_if_the_margins_stay(
         hysgen.RecordWarning, match="its loop does not keep its margins around the new model and is left"
     ):
         assert hysgen.refit(hasty, later)[0].feedback is None
-    write_csv = tmp_path / "later.csv"
-    write_csv.write_text(record_csv(later))
+    (tmp_path / "later.csv").write_text(record_csv(later))
     hysgen.save_model(looped, tmp_path / "old.json")
-    assert main(["refit", str(tmp_path / "old.json"), str(write_csv), "-o", str(tmp_path / "new.json")]) == 0
+    assert (
+        main(["refit", str(tmp_path / "old.json"), str(tmp_path / "later.csv"), "-o", str(tmp_path / "new.json")]) == 0
+    )
     assert "its loop keeps its margins around the new model, with" in capsys.readouterr().out

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from hysgen.errors import RecordError
-from hysgen.record import Record, check_for_fit, check_validation, load_record
+from hysgen.fitting import check_for_fit
+from hysgen.record import Record, check_validation, load_record
 from hysgen.record.series import turning_rows
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import fig5

@@ -16,9 +16,10 @@ from hysgen.diagnosis.evaluation import Study, diagnose_and_evaluate, name_cause
 from hysgen.diagnosis.experiment import Limits, in_words, lacking, voltage, with_time_for
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.display import Quantities
+from hysgen.fitting import check_for_fit
 from hysgen.model.model import Model
 from hysgen.model.scores import NEXT_TO_NOTHING, Scores
-from hysgen.record import Record, check_for_fit, check_validation
+from hysgen.record import Record, check_validation
 from hysgen.record.csv_text import write_csv
 from hysgen.report.words import price_of
 

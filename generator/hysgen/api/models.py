@@ -20,7 +20,7 @@ from hysgen.errors import FitError, RecordWarning, nearest
 from hysgen.feedback import certificate
 from hysgen.feedback.certificate import LoopDesign
 from hysgen.feedback.stage import LATENCY, Uncertainty
-from hysgen.fitting import FitSettings, PathSize
+from hysgen.fitting import FitSettings, PathSize, check_for_fit
 from hysgen.fitting import fit as fit_model
 from hysgen.fitting.refit import Comparison, loop_line
 from hysgen.fitting.refit import compare as compare_models
@@ -31,7 +31,7 @@ from hysgen.model.rivals import fit_rivals, score_rivals
 from hysgen.model.scores import Score, Scores, score_identification, score_prediction
 from hysgen.model.scores import score as score_model
 from hysgen.model.simulate import free_run
-from hysgen.record import Record, check_for_fit
+from hysgen.record import Record
 from hysgen.record.columns import Columns
 from hysgen.record.read import record_of
 from hysgen.record.runs import columns_of

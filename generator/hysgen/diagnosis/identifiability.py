@@ -33,9 +33,9 @@ from hysgen.diagnosis.probe.chain import COMMON
 from hysgen.diagnosis.probe.solve import sensitivities
 from hysgen.diagnosis.score import Scored, least_growth
 from hysgen.display import Displayed, Summary, decimal
+from hysgen.fitting import check_for_fit
 from hysgen.model.residual import BLOCKS, dispersion
 from hysgen.record.data import Record
-from hysgen.record.excitation import check_for_fit
 from hysgen.record.noise import NoiseFloor
 from hysgen.record.series import MEDIAN_TO_DEVIATION, resolution_um
 
