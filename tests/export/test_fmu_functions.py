@@ -1,169 +1,18 @@
 """The functions of both FMUs, called without an importer: values, bits, phases, and every refusal with its words."""
 
-import functools
-import re
 from typing import Any
 
 import numpy as np
 import pytest
 
 from fixtures.exported_folders import NAME, model
+from fixtures.fmu_calls import DISCARD, ERROR, OK, TS_S, Fmu, compiled, named, token
 from hysgen.codegen import Options
-from hysgen.export import export_texts
-from hysgen.export.base import MODES, component_facts
+from hysgen.export.base import MODES
 from hysgen.export.check import Reference, inputs
-from hysgen.export.fmu import HEADERS, Variable, variables
-from hysgen.machine.native import Library, build, externals
 from hysgen.model.structs import Status
 
-OK, DISCARD, ERROR = 0, 2, 3
-TS_S = model().Ts_s
 STANDARDS = pytest.mark.parametrize("standard", [2, 3])
-
-SHIM = """#include <stdarg.h>
-#include <stdio.h>
-{include}
-char fmu_said[300];
-static void note({head}, ...)
-{{
-    char text[200];
-    va_list rest;
-
-    va_start(rest, message);
-    (void)vsnprintf(text, sizeof text, message, rest);
-    va_end(rest);
-    (void)snprintf(fmu_said, sizeof fmu_said, "%s|%d|%s|%s", {name}, (int)status, category, text);
-}}
-"""
-SHIM_2 = SHIM.format(
-    include='#include "fmi2Functions.h"',
-    head="fmi2ComponentEnvironment e, fmi2String instance, fmi2Status status, fmi2String category, fmi2String message",
-    name="instance",
-) + (
-    "static const fmi2CallbackFunctions functions = { note, 0, 0, 0, 0 };\n"
-    "void *fmu_callbacks(void) { return (void *)&functions; }\n"
-)
-SHIM_3 = SHIM.format(
-    include='#include "fmi3Functions.h"',
-    head="fmi3InstanceEnvironment e, int status, const char *category, const char *message",
-    name="(const char *)e",
-) + (
-    "static void told(fmi3InstanceEnvironment e, fmi3Status s, fmi3String c, fmi3String m) { note(e, (int)s, c, m); }\n"
-    "void *fmu_callbacks(void) { return (void *)told; }\n"
-)
-SHARED = f"void *fmu_callbacks(void);\nextern char fmu_said[300];\nuint32_t {NAME}_fmu_samples(double);\n"
-
-
-@functools.cache
-def texts() -> dict[str, str]:
-    return export_texts(model(), "fmu")
-
-
-@functools.cache
-def compiled(standard: int) -> Library:
-    folder = f"sources{standard}/"
-    sources = {path.removeprefix(folder): text for path, text in texts().items() if path.startswith(folder)}
-    types, functions = (sources[name] for name in HEADERS[standard][:0:-1])
-    # What cffi reads of the standard's headers: no comments and directives; functions that they declare as types.
-    text = re.sub(r"/\*.*?\*/|^\s*#ifdef __cplusplus.*?#endif", "", types + functions, flags=re.DOTALL | re.MULTILINE)
-    text = re.sub(r"^\s*#(?:.*\\\n)*.*$", "", text, flags=re.MULTILINE)
-    text = re.sub(r"typedef\s+([^;{}()]*\w)TYPE\s*\(", r"\1(", text)
-    offered = [name for name in externals(SHARED + text) if name in sources[f"{NAME}_fmi{standard}.c"]]
-    shim = ("shim.c", SHIM_2 if standard == 2 else SHIM_3)
-    own = ["fmu_callbacks", "fmu_said", f"{NAME}_fmu_samples"]
-    return build([*sources.items(), shim], SHARED + text, called=[*own, *offered])
-
-
-@functools.cache
-def token() -> bytes:
-    head = texts()[f"sources2/{NAME}_fmu.h"]
-    return head.partition("_FMU_TOKEN ")[2].partition("\n")[0].strip('"').encode()
-
-
-@functools.cache
-def named() -> dict[str, Variable]:
-    return {variable.name: variable for variable in variables(model(), component_facts(model(), Options()))}
-
-
-class Fmu:
-    """An instance; methods return the status, `said` is the last message: name, status, category, text."""
-
-    def __init__(self, standard: int, *, events: bool = False, early: bool = False) -> None:
-        self.standard, self.events = standard, events
-        self.ffi, self.lib = compiled(standard).ffi, compiled(standard).lib
-        self.label = self.ffi.new("char []", b"axis 1")
-        call = self.lib.fmu_callbacks()
-        if standard == 2:
-            self.c = self.lib.fmi2Instantiate(self.label, 1, token(), b"", call, 0, 0)
-            self.label[0] = b"?"
-        else:
-            head, tail = (b"axis", token(), b"", False, False), (self.ffi.NULL, 0)
-            self.c = self.lib.fmi3InstantiateCoSimulation(*head, events, early, *tail, self.label, call, self.ffi.NULL)
-        assert self.c != self.ffi.NULL
-        self.lib.fmu_said[0] = b"\0"
-
-    def call(self, name: str, *arguments: Any) -> Any:
-        return getattr(self.lib, f"fmi{self.standard}{name}")(self.c, *arguments)
-
-    @property
-    def said(self) -> str:
-        text = bytes(self.ffi.string(self.lib.fmu_said)).decode()
-        self.lib.fmu_said[0] = b"\0"
-        return text
-
-    def refuses(self, code: int, text: str) -> None:
-        assert (code, self.said) == (ERROR, f"axis 1|{ERROR}|logStatusError|{text}")
-
-    def _kind(self, kind: str) -> tuple[str, str]:
-        if self.standard == 2:
-            return {"float": ("Real", "double"), "word": ("Integer", "int"), "boolean": ("Boolean", "int")}[kind]
-        return {"float": ("Float32", "float"), "word": ("UInt32", "uint32_t"), "boolean": ("Boolean", "bool")}[kind]
-
-    def put(self, kind: str, values: dict[int, float]) -> int:
-        type_, c_type = self._kind(kind)
-        n = len(values)
-        held = self.ffi.new(f"{c_type} []", list(values.values()))
-        return int(self.call(f"Set{type_}", list(values), n, held, *([n] if self.standard == 3 else [])))
-
-    def take(self, kind: str, references: list[int]) -> tuple[int, list[float]]:
-        type_, c_type = self._kind(kind)
-        n = len(references)
-        held = self.ffi.new(f"{c_type} [{n}]")
-        code = self.call(f"Get{type_}", references, n, held, *([n] if self.standard == 3 else []))
-        return int(code), list(held)
-
-    def set(self, **values: float) -> None:
-        for name, value in values.items():
-            assert self.put(named()[name].kind, {named()[name].reference: value}) == OK
-
-    def get(self, name: str) -> float:
-        code, (value,) = self.take(named()[name].kind, [named()[name].reference])
-        assert code == OK
-        return value
-
-    def enter(self) -> None:
-        if self.standard == 2:
-            assert self.call("SetupExperiment", 0, 0.0, 7.0, 0, 0.0) == OK
-            assert self.call("EnterInitializationMode") == OK
-        else:
-            assert self.call("EnterInitializationMode", False, 0.0, 7.0, False, 0.0) == OK
-
-    def begin(self, **values: float) -> int:
-        self.enter()
-        self.set(**values)
-        return int(self.call("ExitInitializationMode"))
-
-    def step(self, samples: float = 1.0, at_s: float = 0.0) -> Any:
-        """Status; and of FMI 3.0 the event, the end, the early return, and the last time."""
-        if self.standard == 2:
-            return self.call("DoStep", at_s, samples * TS_S, 0)
-        flags, last = self.ffi.new("bool [3]", [True] * 3), self.ffi.new("double *")
-        code = self.call("DoStep", at_s, samples * TS_S, False, flags, flags + 1, flags + 2, last)
-        return code, *flags, last[0]
-
-    def steps(self, samples: float = 1.0) -> int:
-        done = self.step(samples)
-        return int(done if self.standard == 2 else done[0])
 
 
 @STANDARDS

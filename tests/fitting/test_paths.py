@@ -15,7 +15,7 @@ from hysgen.certify.certificates import certify
 from hysgen.codegen import Options, write
 from hysgen.codegen import generate as texts_of
 from hysgen.diagnosis import DiagnoseSettings
-from hysgen.errors import CertificateError, ModelError
+from hysgen.errors import CertificateError
 from hysgen.fitting import FitSettings, PathSize, fit, known_past, path_columns, path_model
 from hysgen.fitting.identify import path_task
 from hysgen.fitting.operator import SEARCHED
@@ -185,14 +185,6 @@ def test_refit_fits_the_whole_record_and_keeps_the_ranges_of_a_restricted_model_
         assert (again.u_min_V, again.u_max_V, again.grid.ends_um) == (part.u_min_V, part.u_max_V, whole.grid.ends_um)
         np.testing.assert_array_equal(again.parameters, whole.parameters)
         assert texts_of(again)["axis.c"] == code["axis.c"]
-
-
-def test_a_record_at_another_rate_is_refused(records: tuple[Record, Record]) -> None:
-    old = fit(records[0], FitSettings(method="batch"))
-    half = Record.from_arrays(records[1].segments[0].u_V[::2], records[1].segments[0].y_um[::2], 2 * REFIT_TS_S)
-    with pytest.raises(ModelError, match="record at the model's rate"):
-        refit(old, half)
-    assert np.isfinite(old.parameters).all()
 
 
 def test_a_command_that_the_amplifier_does_not_follow_covers_no_range_and_hides_no_rows() -> None:

@@ -72,20 +72,6 @@ def test_wrong_readings_are_not_counted_and_are_listed() -> None:
     assert left.rms_um == pytest.approx(0.01, rel=0.05)
 
 
-def test_what_is_not_named_stays() -> None:
-    rng = np.random.default_rng(8)
-    left = left_of(DISTURBANCES["periodic"] + DISTURBANCES["drift"], motion_um(rng), np.zeros(N), Named())
-    assert not left.taken
-    line_alone = left_of(
-        DISTURBANCES["periodic"],
-        motion_um(rng),
-        rng.normal(scale=0.01, size=N),
-        dataclasses.replace(NAMED, lines_Hz=(50.0,)),
-    )
-    assert "periodic" not in {taken.cause for taken in line_alone.taken}
-    assert line_alone.rms_um > 0.055
-
-
 def taken_over_noise(seed: int, misfit: float) -> float:
     """Rms of what is taken out of a record without any disturbance, over the noise."""
     rng = np.random.default_rng(seed)
