@@ -68,6 +68,7 @@ void _start(void) {
 
 
 def compiled(model: Model, name: str, folder: Path, *options: str) -> None:
+    need("clang")
     flags = ["-O2", "-ffp-contract=off", "-ffreestanding", "-std=c99"]
     call = ["clang", f"--target={TRIPLE}", f"-mcpu={name}", *flags, *options]
     subprocess.run(call, cwd=folder, capture_output=True, text=True, check=True)
@@ -110,7 +111,6 @@ MODELS = [load_model("appendix_a"), smooth(3), smooth(20), everything(), sized(6
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
 @pytest.mark.parametrize(("name", "judge"), [("cortex-m4", by_the_manual), ("cortex-m7", by_llvm)])
 def test_a_call_takes_what_the_model_says(name: str, judge: Callable[[str], int], model: Model, tmp_path: Path) -> None:
-    need("clang")
     texts, weights = generate(model, Options(clock_Hz=1e10)), target(name, "weights").weights
     assert weights is not None
     write(texts, tmp_path)

@@ -122,17 +122,15 @@ class ResonanceCause(Cause):
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
-        if len(modes) < 2:
-            return [self.without(chain)]
         fewer = [modes[:i] + modes[i + 1 :] for i in range(len(modes))]
-        return [chain.having(Modes.of(less, chain.lag_s)) for less in fewer]
+        return [chain.having(Modes.of(less, chain.lag_s)) for less in fewer if less] or [self.without(chain)]
 
     def simpler_forms(self, chain: Chain) -> list[Chain]:
         """Modes that are not seen early."""
         modes = chain.get(Modes)
-        return (
-            [] if modes is None or modes.early_s is None else [chain.having(dataclasses.replace(modes, early_s=None))]
-        )
+        if modes is None or modes.early_s is None:
+            return []
+        return [chain.having(dataclasses.replace(modes, early_s=None))]
 
     def requirement(self, seen: Excitation) -> tuple[bool, str]:
         shown = f"of {0.5 / seen.record.Ts_s:.4g} Hz that the sampling shows"
@@ -271,8 +269,8 @@ def identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) 
 def _light_modes(form: ModalForm) -> list[Mode]:
     """At most MOST_MODES modes whose frequency is known to KNOWN of it, the lightest first."""
     known = np.flatnonzero(form.f_error_Hz < KNOWN * form.f_Hz)
-    lightest = known[np.argsort(form.zeta[known], kind="stable")][:MOST_MODES]
-    return [Mode(float(form.f_Hz[m]), float(form.zeta[m]), 1.0) for m in lightest]
+    rising = known[np.argsort(form.zeta[known], kind="stable")].tolist()
+    return [Mode(float(form.f_Hz[m]), float(form.zeta[m]), 1.0) for m in rising[:MOST_MODES]]
 
 
 def _signature_of(form: ModalForm, channels: Sequence[str]) -> Signature:
