@@ -1,6 +1,6 @@
 """Open-loop play of a table and the record of its readings: what is put out, what is kept, where it ends.
 
-Over the link as `hysgen link record` does it. The last test closes the loop from board to model and back.
+Over the link as `hysgen link record` does it.
 """
 
 # Safety case: [S12]
@@ -11,16 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.firmware_bench import Direct, compiled, image, sine
-from hysgen.cli.main import main
+from fixtures.firmware_bench import Direct, image, wave_V
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.binding import with_learner
 from hysgen.firmware.host import BoardFault, HostFirmware, Request, Settings, State
 from hysgen.firmware.link import Client, read_table, record_text
 from hysgen.firmware.wire import Command, command, payload
-from hysgen.model.file import load_model
-from hysgen.model.learner_settings import LEARNED, LearnerSettings
-from hysgen.model.path import preview
 from hysgen_lab.stage import Stage, StageState
 
 TS_S = 20e-6
@@ -34,14 +29,6 @@ def stage(seed: int = 5) -> StageState:
 def board(settings: Settings | None = None) -> tuple[HostFirmware, Client]:
     firmware = HostFirmware(image(), stage(), settings or Settings(ramp_V=0.5))
     return firmware, Client(Direct(firmware, samples=100), timeout_s=5.0)
-
-
-def wave_V(samples: int) -> np.ndarray:
-    """Trains of 100, 50 and 25 Hz around the middle, whose amplitudes fall, rise and fall."""
-    k = np.arange(samples)
-    share = 0.1 + 0.9 * np.abs(2.0 * ((1.5 * k / samples) % 1.0) - 1.0)
-    turns = np.cumsum(np.select([3 * k < samples, 3 * k < 2 * samples], [100.0, 50.0], 25.0)) * TS_S
-    return 39.0 + 18.0 * share * np.sin(2.0 * np.pi * turns)
 
 
 def test_a_record_holds_the_voltages_that_were_put_out_and_the_readings_before_them() -> None:
@@ -167,32 +154,3 @@ def test_a_start_that_would_not_be_taken_is_not_answered_by_done() -> None:
     firmware.run(np.full(2, 2.0))
     assert firmware.state is State.FALL
     assert code(firmware, Command.REQUEST, start) == 3
-
-
-def errors_nm(chosen: str | Path) -> float:
-    """Tracking error (rms) at 50 Hz of the firmware with a model, open loop, on a stage of its own."""
-    driven = with_learner(load_model(chosen))
-    if chosen != "appendix_a":  # what is named on the record leaves no cycles for a full learner
-        driven = replace(driven, learner=replace(driven.learner or LearnerSettings(), learned=LEARNED["gain"]))
-    settings = Settings(ramp_V=0.05, follow_um=1.0, loop_low_V=23.0, loop_high_V=55.0)
-    firmware = HostFirmware(image() if chosen == "appendix_a" else compiled(driven), stage(6), settings)
-    firmware.start(2.0)
-    ahead, references_um = preview(driven.blocks) + 1, sine(5000)
-    log = firmware.run(references_um)
-    assert (log.state == State.TRACK).all()
-    return float(1e3 * np.sqrt(np.mean((log.reading_um[ahead:] - references_um[:-ahead])[1000:] ** 2)))
-
-
-@pytest.mark.proof
-def test_from_board_to_record_to_diagnosis_to_image_to_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The stage is the laboratory's, not a model; the firmware that takes the record drives another one."""
-    monkeypatch.chdir(tmp_path)
-    table_V = wave_V(18_000)
-    rows = (f"{TS_S * k:.9g},{u_V:.9g}" for k, u_V in enumerate(table_V))
-    Path("table.csv").write_text("\n".join(("time_s,voltage_V", *rows, "")))
-    firmware, _ = board()
-    monkeypatch.setattr("hysgen.cli.verbs.firmware.open_line", lambda *_: Direct(firmware, samples=500))
-    assert main(["link", "port", "record", "table.csv", "-o", "record.csv"]) == 0
-    assert main(["diagnose", "record.csv", "-o", "stage.json"]) == 0
-    # 147 and 22 nm when it was written; of the 22, 21.8 are the mean, creep behind the start.
-    assert errors_nm(Path("stage.json")) < 0.2 * errors_nm("appendix_a")

@@ -5,6 +5,9 @@ Every word that the D/A gets is compared with the host's firmware on the same re
 """
 
 import functools
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,15 +15,20 @@ import pytest
 from fixtures.board_model import BoardModel, SimulatedLine, library
 from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
-from fixtures.firmware_bench import ModelStage, image, model
-from hysgen.firmware.binding import TARGET_BOARD, build_id, firmware_model, read_sources
+from fixtures.firmware_bench import ModelStage, image, model, wave_V
+from hysgen.cli.main import main
+from hysgen.firmware.binding import TARGET_BOARD, build_id, firmware_model, read_sources, with_learner
 from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, State
 from hysgen.firmware.image import Label, encode
 from hysgen.firmware.link import Client
+from hysgen.model.file import load_model
+from hysgen.model.learner_settings import LEARNED, LearnerSettings
+from hysgen.model.model import Model
 from hysgen_c674x.firmware.boot_image import boot_image
 from hysgen_c674x.firmware.target import link_image
 from hysgen_c674x.machine import System
 from hysgen_c674x.toolchain import Firmware
+from hysgen_lab.stage import Stage, StageState
 
 PERIOD = 7500
 ZERO_UM, STEP_UM, DAC_LOW_V, DAC_PER_V = (np.float32(each) for each in (4.916, 0.00025, -20.0, 468.107143))
@@ -38,41 +46,52 @@ frames from here on
 """
 
 
+OWN = {"ramp_V = 0.02f": "ramp_V = 0.05f", "follow_um = 0.0f": "follow_um = 1.0f"}
+OWN |= {"loop_low_V = 22.0f": "loop_low_V = 23.0f", "loop_high_V = 56.0f": "loop_high_V = 55.0f"}
+
+
+def linked(driven: Model, changes: dict[str, str]) -> Firmware:
+    """The image of a model, with changes of main.c."""
+    need_compiler()
+    text = dict(read_sources(TARGET_BOARD))["main.c"]
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    return link_image(driven.name, firmware_model(driven) | {"main.c": text}).firmware
+
+
 @functools.cache
 def firmware() -> Firmware:
     """The linked image, with a key."""
-    need_compiler()
-    main = dict(read_sources(TARGET_BOARD))["main.c"].replace("{ { 0u, 0u, 0u, 0u }", "{ { 1u, 0u, 0u, 0u }")
-    return link_image(model().name, firmware_model(model()) | {"main.c": main}).firmware
+    return linked(model(), {"{ { 0u, 0u, 0u, 0u }": "{ { 1u, 0u, 0u, 0u }"})
 
 
 class Run:
-    """The board from power on. codes: of the A/D, one per conversion."""
+    """The board from power on. read_um: at the A/D, one per conversion."""
 
-    def __init__(self) -> None:
-        self.stage = ModelStage(model(), 2e-4)
-        self.codes: list[int] = []
+    def __init__(self, built: Firmware | None = None, plant: Callable[[float], float] | None = None) -> None:
+        self.built, own = built or firmware(), ModelStage(model(), 2e-4)
+        self.plant = plant or (lambda u_V: own.step(None, u_V))
+        self.read_um = list[float]()
         self.board = BoardModel(library(), self._sampled)
-        script = boot_image(firmware().image)
+        script = boot_image(self.built.image)
         self.board.flash[: len(script)] = np.frombuffer(script, np.uint8)
 
     def _sampled(self, u_V: float) -> float:
-        y_um = self.stage.step(None, u_V)
-        self.codes.append(int(np.clip(np.rint((y_um - 4.916) / 0.00025), -32768, 32767)))
-        return y_um
+        self.read_um.append(self.plant(u_V))
+        return self.read_um[-1]
 
     def reset(self, before: System | None = None) -> System:
         """Reset; returns the system in front of its first interrupt, with the reference in place.
 
         before: the system before, whose memory behind the stack a reset under power leaves alone.
         """
-        system = self.board.reset(firmware().image, firmware().packets)
+        system = self.board.reset(self.built.image, self.built.packets)
         if before is not None:
             system.view("hysgen_start_kept", 2)[:] = before.view("hysgen_start_kept", 2)
         text = b""
         while not text.endswith(b"frames from here on\r\n\0"):
             assert system.run(PERIOD), "reset during the boot"
-            assert system.cycle < 20_000_000, text
+            assert system.cycle < 30_000_000, text
             text += self.board.sent()
             # Behind the clearing of .bss, which comes before the first text.
             if text:
@@ -83,6 +102,16 @@ class Run:
 
 def text_of(parameters: str) -> str:
     return TEXT.format(build=build_id(model()), parameters=parameters).replace("\n", "\r\n")
+
+
+def start(client: Client, system: System) -> None:
+    """START, until TRACK."""
+    client.request(Request.START)
+    at = 0
+    while State(client.status().state) is not State.TRACK:
+        at += 1
+        assert at < 60
+        assert system.run(500 * PERIOD)
 
 
 @pytest.mark.slow
@@ -110,12 +139,7 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
     assert not run.board.violations
 
     # Tracking: the same words for the D/A as the host's firmware puts out on the same readings.
-    client.request(Request.START)
-    at = 0
-    while State(client.status().state) is not State.TRACK:
-        at += 1
-        assert at < 60
-        assert system.run(500 * PERIOD)
+    start(client, system)
     begun = run.board.state.conversions
     assert system.run(TRACKED * PERIOD)
     status = client.status()
@@ -159,7 +183,7 @@ def test_the_image_from_reset_to_tracking_and_back() -> None:
 
 def differing_words(run: Run) -> int:
     """Words of the D/A, sample by sample since reset, that differ from the host's on the same readings."""
-    codes = np.array(run.codes)
+    codes = np.clip(np.rint((np.array(run.read_um) - 4.916) / 0.00025), -32768, 32767)
     readings = ZERO_UM + STEP_UM * codes.astype(np.float32)
     # The voltage of sample k acts when conversion k + 1 starts.
     words = np.rint((np.array(run.board.voltages[1:]) + 20.0) * (65535 / 140)).astype(np.int64)
@@ -201,3 +225,38 @@ class Replayed(ModelStage):
         """The next reading; the last one is repeated."""
         self.y_um = next(self._readings, self.y_um)
         return self.y_um
+
+
+def tracked_nm(run: Run, client: Client, system: System) -> float:
+    """Tracking error (rms) over four periods of the table, whose phase is fitted."""
+    start(client, system)
+    begun = len(run.read_um)
+    assert system.run(5200 * PERIOD)
+    last = client.status()
+    assert (State(last.state), last.first_fault, run.board.violations, last.cycles_most < PERIOD) == (6, 0, [], True)
+    read_um = np.array(run.read_um[begun + 1024 : begun + 5120]).reshape(4, 1024)
+    return float(1e3 * min(np.sqrt(np.mean((read_um - np.roll(TABLE_UM, by)) ** 2)) for by in range(1024)))
+
+
+@pytest.mark.proof
+def test_from_board_to_record_to_diagnosis_to_image_to_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The stage is the laboratory's, not a model; the board that takes the record drives another one."""
+    monkeypatch.chdir(tmp_path)
+    rows = (f"{20e-6 * k:.9g},{u_V:.9g}" for k, u_V in enumerate(wave_V(18_000)))
+    Path("table.csv").write_text("\n".join(("time_s,voltage_V", *rows, "")))
+    errors_nm, driven = [], model()
+    for seed in (5, 6):
+        stage = StageState(replace(Stage.laboratory(), zero_V=23.0), 20e-6, seed)
+        run = Run(linked(driven, OWN), stage.step)
+        system = run.reset()
+        line = SimulatedLine(run.board, system)
+        if driven is model():
+            monkeypatch.setattr("hysgen.cli.verbs.firmware.open_line", lambda *_, line=line: line)
+            assert main(["link", "port", "record", "table.csv", "-o", "record.csv"]) == 0
+            assert main(["diagnose", "record.csv", "-o", "stage.json"]) == 0
+            driven = with_learner(load_model(Path("stage.json")))
+            # What is named on the record leaves no cycles for a full learner.
+            driven = replace(driven, learner=replace(driven.learner or LearnerSettings(), learned=LEARNED["gain"]))
+        errors_nm.append(tracked_nm(run, Client(line, timeout_s=60.0), system))
+    print("tracking error {:.1f} -> {:.1f} nm rms".format(*errors_nm))
+    assert errors_nm[1] < 0.2 * errors_nm[0]
