@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.codegen.manifest import MANIFEST
 from hysgen.display import WRITTEN_IN, Quantities
 from hysgen.errors import HysgenError, RecordError
 from hysgen.model.file import load_model
@@ -116,6 +115,8 @@ def quantities_of(arguments: argparse.Namespace) -> Quantities:
         named = [getattr(arguments, name, None) for name in ("model", "old", "folder")]
         named += getattr(arguments, "files", [])
         place = Path(next(name for name in named if name))
+        from hysgen.codegen.manifest import MANIFEST  # imports all that writes C
+
         inside = sorted(path for path in place.glob("*.json") if path.name != MANIFEST) if place.is_dir() else [place]
         return load_model(inside[-1]).quantities
     return Quantities()

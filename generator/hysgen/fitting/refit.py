@@ -16,7 +16,6 @@ import numpy as np
 from hysgen.certify.certificates import SAMPLES_PER_PERIOD, certify, loop, steady_states
 from hysgen.display import Displayed, Summary, table
 from hysgen.errors import ModelError
-from hysgen.feedback.certificate import carried
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.fitting.refine import Progress
 from hysgen.model.model import Model
@@ -58,6 +57,8 @@ def refit(
     again = restricted_as(model, again)
     again = dataclasses.replace(again, learner=model.learner, certificates=certify(again).to_json())
     if model.feedback is not None:
+        from hysgen.feedback.certificate import carried  # imports scipy.stats, which takes half a second
+
         again = carried(model, again)
     scores = score_identification(again, record)
     return dataclasses.replace(again, scores={"identification": scores.to_json()}), scores

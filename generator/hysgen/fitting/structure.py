@@ -20,7 +20,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve
-from scipy.signal import lfilter
 
 from hysgen.errors import FitError
 from hysgen.model.disturbances.coupling import Drives
@@ -172,6 +171,8 @@ Piece = Lines | Rows
 
 def states(pole: complex, signal: Signal) -> Complex:
     """(n,) x of x(k+1) = lam x(k) + s(k), at rest under s(0) before row 0."""
+    from scipy.signal import lfilter  # imports scipy.stats, which takes half a second
+
     start = np.array([signal[0] / (1.0 - pole)])
     return np.asarray(lfilter([0.0, 1.0], [1.0, -pole], np.asarray(signal, dtype=np.complex128), zi=start)[0])
 
