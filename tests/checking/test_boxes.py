@@ -13,7 +13,7 @@ import pytest
 
 from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, texts
-from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, compiled_with, hard_inputs, model_with
+from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, TOGETHER, compiled_with, hard_inputs, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva.boxes import WILD, learner_box, parts_box, state_box
@@ -37,7 +37,7 @@ from hysgen.model.path.limits import Saturation
 SAMPLES = 8000
 CHAINS: list[list[InputBlock]] = [
     *([block] for block in (*BLOCKS, *RESPONSES)),
-    [*BLOCKS, *RESPONSES],
+    [*BLOCKS, *TOGETHER],
     [Delay(0.0)],
     [Delay(0.7)],
     list(diagnosed().blocks),

@@ -1,5 +1,7 @@
 """Blocks of a long record stand for the record: same columns of the chain, all levels and rates, bounded length."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -78,6 +80,15 @@ def test_a_rare_fast_step_is_in_a_block() -> None:
 def test_a_short_record_is_its_own_excerpt() -> None:
     short = long_scene(good(np.random.default_rng(3), LONG, 0.0, 100.0))
     assert excerpt(short, 3.0) is short
+
+
+def test_a_record_of_several_drives_is_searched_whole_and_one_beside_a_temperature_is_not(whole: Scene) -> None:
+    rng = np.random.default_rng(5)
+    temperature = 20.0 + np.cumsum(rng.normal(size=SAMPLES)) / 1e3
+    for channel, same in ((rng.uniform(-1.0, 1.0, SAMPLES), True), (temperature, False)):
+        run = dataclasses.replace(whole.runs[0], aux={"other": channel})
+        scene = dataclasses.replace(whole, runs=(run,))
+        assert (excerpt(scene, 3.0) is scene) == same
 
 
 def test_a_slow_lag_makes_the_blocks_longer(whole: Scene) -> None:

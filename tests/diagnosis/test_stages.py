@@ -10,6 +10,7 @@ import pytest
 from scipy.signal import StateSpace, cont2discrete, lfilter, lsim
 
 import hysgen
+from fixtures import soft_springs
 from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record, repeating_record
 from hysgen.api.diagnosing import scored_extension
 from hysgen.codegen import generate
@@ -88,6 +89,24 @@ def test_modes_of_two_drives_are_named_and_delivered() -> None:
     # 0.01 um of noise, and as much of what 9000 rows leave open.
     assert found.extended_rms_um < 0.02 < 0.02 * found.base_rms_um
     assert any(name.endswith(".c") for name in generate(found.model))
+
+
+@pytest.mark.slow
+def test_modes_of_two_drives_that_soften_are_named_and_delivered() -> None:
+    """Springs that yield, which no model of hysgen has; the same stage with straight springs only rings."""
+    for yields_um, names in ((40.0, ("resonance", "softening")), (np.inf, ("resonance",))):
+        known = soft_springs.record((0.5, 1.0, 2.0), 3000, 1, yields_um)
+        found = diagnose(known, soft_springs.record((1.0,), 3000, 2, yields_um))
+        assert tuple(name for name in found.names if name != "unknown") == names
+        if len(names) > 1:
+            values = {key: value.value for key, value in found.causes[1].parameters.items()}
+            assert min(abs(values["small_f_Hz"] / f_Hz - 1.0) for f_Hz in soft_springs.F_HZ) < 5e-3
+            assert values["f_Hz"] < values["small_f_Hz"]
+            assert [block.kind for block in found.model.blocks][-1] == "softening"
+            assert found.model.terms == ()
+            # 1.0 um where the modes stand still.
+            assert found.extended_rms_um < 0.5
+            assert any(name.endswith(".c") for name in generate(found.model))
 
 
 SOFT_TS_S, SOFT_HZ = 1e-4, 300.0

@@ -17,10 +17,9 @@ from hysgen.export.base import MODES, Mode
 from hysgen.export.check import Reference, inputs
 from hysgen.float32.struct_words import Commit
 from hysgen.machine.native import Library, build, default_toolchain
-from hysgen.model.disturbances import channels_of
 
 SAMPLES = 300
-CHANNELS = len(channels_of(model().terms))
+CHANNELS = len(model().channels)
 SINGLE, WORD = 1, 7
 EACH_MODE = pytest.mark.parametrize("mode", MODES, ids=lambda mode: mode.name)
 CALLS = """

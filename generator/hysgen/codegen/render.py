@@ -32,7 +32,7 @@ from hysgen.codegen.structs import (
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Coefficients
 from hysgen.machine.files import data_folder, version
 from hysgen.model import float32_arithmetic as arithmetic
-from hysgen.model.disturbances import Term, channels_of
+from hysgen.model.disturbances import Term
 from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
@@ -190,10 +190,14 @@ class TermText(StateText):
 
 @dataclass(frozen=True)
 class BlockText(StateText):
-    """The data of an input block's template; solves: whether the inverse solves it for its input."""
+    """The data of an input block's template; solves: whether the inverse solves it for its input.
+
+    channels: indices of its channels in aux[].
+    """
 
     block: InputBlock
     solves: bool
+    channels: tuple[int, ...]
 
     @property
     def responds(self) -> bool:
@@ -217,7 +221,7 @@ class BlockText(StateText):
 
 def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
     """The model's terms in order, each with the index of its first regressor."""
-    names, firsts = channels_of(model.terms), itertools.accumulate((term.size for term in model.terms), initial=0)
+    firsts = itertools.accumulate((term.size for term in model.terms), initial=0)
     return [
         TermText(
             term.kind,
@@ -226,7 +230,7 @@ def term_texts(model: Model, numbers: Coefficients) -> list[TermText]:
             term,
             first,
             type(term.mirror(1, model.Ts_s)).correct is not Mirror.correct,
-            tuple(names.index(name) for name in term.channels),
+            tuple(model.channels.index(name) for name in term.channels),
         )
         for term, first in zip(model.terms, firsts, strict=False)
     ]
@@ -241,6 +245,7 @@ def block_texts(model: Model) -> list[BlockText]:
             f"{model.name}_{block.kind}",
             block,
             block.responds and block.solves(model.Ts_s),
+            tuple(model.channels.index(name) for name in block.channels),
         )
         for block in model.blocks
     ]
@@ -280,7 +285,8 @@ def context(model: Model, numbers: Coefficients) -> dict[str, Any]:
         "inside_limit": arithmetic.LIMIT if two_words or notches else None,
         "accumulates": any(term.two_words for term in model.terms),
         "parts": {part: facts for term in model.terms for part, facts in term.parts.items()},
-        "channels": channels_of(model.terms),
+        "channels": model.channels,
+        "listening": [kind for kind, parts in (("terms", terms), ("inputs", blocks)) if any(p.channels for p in parts)],
         "blocks": blocks,
         "responses": responses,
         "feedback": model.feedback is not None,

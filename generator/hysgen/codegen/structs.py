@@ -16,7 +16,7 @@ from hysgen.errors import HysgenError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.learner_numbers import factors, learner_numbers
 from hysgen.float32.struct_words import Commit, Holds, InstanceWords, LearnerWords, StructWords
-from hysgen.model.disturbances import Term, channels_of
+from hysgen.model.disturbances import Term
 from hysgen.model.file import parse_model
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
@@ -278,7 +278,7 @@ class Interface:
 
 def interface(model: Model, *, inverse: bool) -> Interface:
     """The interface of the C code that `generate` returns for `model`, with or without its inverse."""
-    name, channels = model.name, len(channels_of(model.terms))
+    name, channels = model.name, len(model.channels)
     self_t, learner = f"{name}_t *self", f"{name}_learner_t *self"
     aux = f"const float aux[{name.upper()}_CHANNELS]"
     functions = [

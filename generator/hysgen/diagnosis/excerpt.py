@@ -23,10 +23,15 @@ Rows = NDArray[np.intp]
 
 _NO_ROWS: Rows = np.zeros(0, dtype=np.intp)
 
-LONG, MOST_SAMPLES = 100_000, 12_000
-"""Samples of a record above which the search looks at an excerpt, and samples of the excerpt; 8000 of them are fitted
-(`search.MOST_ROWS`). Six blocks cannot hold everything that excites a record: an excerpt of the bundled record misses
-its delay and its mode. So only records are shortened whose search would take minutes."""
+LONG, LONG_DRIVEN, MOST_SAMPLES = 100_000, 200_000, 12_000
+"""Samples of a record above which the search looks at an excerpt, the same of one with several drives, and samples of
+the excerpt; 8000 of them are fitted (`search.MOST_ROWS`). Six blocks cannot hold everything that excites a record: an
+excerpt of the bundled record misses its delay and its mode. So only records are shortened whose search would take
+minutes. The modes of several drives are identified from whole segments alone (`causes.modes`)."""
+
+FAST = 0.05
+"""Least step of a channel between two samples, as a share of its spread (rms both), that makes it a drive: a line of
+a hundredth of the sampling rate steps by 0.06. Temperatures and slow sensors stay below."""
 
 BLOCKS = 6
 """Blocks of an excerpt: enough to tell a ramp from a course that slows down."""
@@ -82,7 +87,7 @@ def excerpt(scene: Scene, lag: float) -> Scene:
     of level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
     """
     length = max(MOST_SAMPLES // BLOCKS, math.ceil(FADING_LAGS * lag / LONGEST_FADING))
-    if scene.samples <= max(LONG, BLOCKS * length):
+    if scene.samples <= max(LONG_DRIVEN if _driven(scene) else LONG, BLOCKS * length):
         return scene
     fading = max(math.ceil(FADING_LAGS * lag), math.ceil(LEAST_FADING * length))
     coarse = _coarse_run(scene, fading)
@@ -97,6 +102,12 @@ def excerpt(scene: Scene, lag: float) -> Scene:
         chosen.append(best)
     parts = [_part_of(scene, block, fading) for block in _joined(chosen)]
     return _scene_of(scene, [*parts, *([coarse] if coarse else [])])
+
+
+def _driven(scene: Scene) -> bool:
+    """Whether a channel moves as fast as a drive in every run."""
+    courses = [[run.aux[name] for run in scene.runs] for name in scene.runs[0].aux]
+    return any(all(0.0 < FAST * np.std(x) < np.std(np.diff(x)) for x in course) for course in courses)
 
 
 @dataclass(frozen=True, eq=False)

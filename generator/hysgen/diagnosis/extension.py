@@ -54,6 +54,7 @@ class Extension:
     """Extension for one cause: a term, a block of the path, a correction, or settings of the fit and the learner.
 
     in_place: the block of an earlier cause as it is beside this one, and the blocks that follow it; none without it.
+    replaces: kinds of blocks and terms of earlier causes whose place the block takes.
     size: size of the hysteresis, None for a cause without memory. relaxation: s_j / r_j of the plays, 0 for plays that
     do not relax. lag_s: lag of the chain that the block belongs to. past: as of `FitSettings`.
     trust: (m,) weight of each row in the fit, for the first m rows of the record, or None for 1 throughout.
@@ -65,6 +66,7 @@ class Extension:
     term: Term | None = None
     block: InputBlock | None = None
     in_place: tuple[InputBlock, ...] = ()
+    replaces: tuple[str, ...] = ()
     size: PathSize | None = None
     relaxation: float = 0.0
     past: tuple[float, float] | None = None
@@ -78,7 +80,7 @@ class Extension:
     def content(self) -> Hashable:
         """Key for a cache of fits; extensions with equal keys give equal models."""
         trust = None if self.trust is None else self.trust.tobytes()
-        path = (self.block, self.in_place, self.size, self.relaxation, self.past, self.lag_s)
+        path = (self.block, self.in_place, self.replaces, self.size, self.relaxation, self.past, self.lag_s)
         return (self.term, *path, trust, self.correction, self.learns)
 
     @property

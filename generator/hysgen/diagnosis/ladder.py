@@ -84,8 +84,9 @@ def fit_ladder(
 ) -> Rung:
     """The model with the extensions of `names`, fitted to the identification part less the rows `skip`."""
     chosen = [extensions[name] for name in in_ladder_order(names)]
-    terms = tuple(e.term for e in chosen if e.term is not None)
-    blocks = {e.block.place: e.block for e in chosen if e.block is not None}
+    replaced = [kind for e in chosen for kind in e.replaces]
+    terms = tuple(e.term for e in chosen if e.term is not None and e.term.kind not in replaced)
+    blocks = {e.block.place: e.block for e in chosen if e.block is not None and e.block.kind not in replaced}
     for first, *others in (e.in_place for e in chosen if e.in_place):
         blocks |= {block.place: block for block in (first, *others)} if first.place in blocks else {}
     trust = prepared.trust.copy()

@@ -18,7 +18,6 @@ from hysgen.errors import BuildError
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.files import version
 from hysgen.machine.native import default_toolchain
-from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 
 
@@ -65,7 +64,7 @@ def component_facts(model: Model, options: Options) -> dict[str, Any]:
         "known": " || ".join(f"(mode == {upper}_COMPONENT_{mode.name.upper()})" for mode in modes),
         "inverse": options.inverse,
         "learns": model.learner is not None,
-        "channels": channels_of(model.terms),
+        "channels": model.channels,
         "u_min": exact(numbers.u_min_V),
         "u_max": exact(numbers.u_max_V),
         "y_min": exact(numbers.y_min_um),

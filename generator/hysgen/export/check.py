@@ -21,7 +21,6 @@ from hysgen.export import export_of
 from hysgen.export.base import MODES, Mode, Samples, Words, component_facts, component_texts, modes_of
 from hysgen.float32.coefficients import coefficients
 from hysgen.machine.native import Library, build
-from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 
 Progress = Callable[[float, str], None]
@@ -127,7 +126,7 @@ def inputs(component: Reference, mode: Mode, n: int) -> Samples:
     wave = 0.6 * np.sin(2 * np.pi * k / 503.0) + 0.39 * np.sin(2 * np.pi * k / 8191.0 + 1.0)
     u = (0.5 * (low + high) + 0.5 * (high - low) * wave).astype(np.float32)
     u0 = np.float32(0.5 * (low + high))
-    channels = len(channels_of(component.model.terms))
+    channels = len(component.model.channels)
     rows = np.zeros((n + 1, 3 + channels), np.uint32)
     rows[:, 1] = u.view(np.uint32)
     free = component.run(Samples(SIMULATE, numbers.rest_um, u0, rows))[:, 0].copy().view(np.float32)

@@ -23,7 +23,6 @@ from hysgen.export.base import Draft, Export, Samples, Words, Written, component
 from hysgen.machine.files import data_folder, digest, write_whole
 from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain
-from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 from hysgen.model.structs import MEANINGS, Status
 
@@ -129,7 +128,7 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     if facts["learns"]:
         add("commit", "boolean", "input", "mode learn: begin to commit what was learned", start="false")
     middles = [m for term in model.terms for m in getattr(term, "middle", [])]
-    for c, channel in enumerate(channels_of(model.terms)):
+    for c, channel in enumerate(model.channels):
         name = "aux_" + re.sub(r"\W", "_", channel)
         start = repr(float(middles[c])) if c < len(middles) else "0.0"
         add(name, "float", "input", f"auxiliary channel {channel}", member=f"aux[{c}]", start=start)

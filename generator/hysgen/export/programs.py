@@ -15,7 +15,6 @@ import numpy as np
 
 from hysgen.errors import BuildError
 from hysgen.export.base import Export, Samples, Words, Written, make, output_of, results
-from hysgen.model.disturbances import channels_of
 from hysgen.model.model import Model
 
 SFUNCTION_README = """\
@@ -38,7 +37,7 @@ def run_standin(model: Model, folder: Path, samples: Samples) -> Words:
 
 def run_octave(model: Model, folder: Path, samples: Samples) -> Words:
     """The MEX gateway in Octave."""
-    row = 3 + len(channels_of(model.terms))
+    row = 3 + len(model.channels)
     mode, y0_um, u0_V = samples.start
     with tempfile.TemporaryDirectory(prefix="hysgen-") as scratch:
         Path(scratch, "in.bin").write_bytes(samples.rows.tobytes())

@@ -26,6 +26,7 @@ from hysgen.model.model import Model
 from hysgen.model.path.base import StateSpace, inverted
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING, Modes
+from hysgen.model.path.softening import Softening
 from hysgen.model.path.structure import Structure
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,12 @@ class Uncertainty:
 
 
 def draws(model: Model) -> Floats:
-    """(1024, d) numbers from -1 to 1: what every uncertain number of the stage differs by, in half widths."""
+    """(1024, d) numbers from -1 to 1: what every uncertain number of the stage differs by, in half widths.
+
+    Raises ModelError for modes that move with amplitude: no linear stage is near them.
+    """
+    if any(isinstance(block, Softening) for block in model.blocks):
+        raise ModelError(f"{model.name}: its modes move with amplitude; no loop is designed around them")
     modes = sum(len(block.f_Hz) for block in model.blocks if isinstance(block, Modes))
     return np.asarray(2.0 * Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
 

@@ -16,7 +16,6 @@ from hysgen.codegen.render import render
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.machine.files import data_folder, digest, version
-from hysgen.model.disturbances import channels_of
 from hysgen.model.file import dump_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
@@ -68,7 +67,7 @@ def require_drivable(model: Model) -> None:
         raise ModelError(
             f"{model.name}: has quantities that the firmware's board layer does not set and read ('V', 'um')"
         )
-    if channels_of(model.terms):
+    if model.channels:
         raise ModelError(f"{model.name}: listens to auxiliary channels, which the firmware's board layer does not have")
 
 

@@ -32,11 +32,11 @@ from hysgen.fitting.operator import SEARCHED, Operator, PathSize
 from hysgen.fitting.path_regressors import (
     HeldWindow,
     PathTask,
+    added_um,
     all_lagged,
     crept,
     held_windows,
     lagged,
-    looped_um,
     passed_V,
 )
 from hysgen.machine.reproducible import exp
@@ -44,6 +44,7 @@ from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.modes import Modes
+from hysgen.model.path.softening import Softening
 from hysgen.model.regression import Trust, drives_of, structure_of
 from hysgen.record import Record
 from hysgen.record.series import first_covering
@@ -139,7 +140,7 @@ def _relaxing(task: PathTask, relaxation: float) -> PathTask:
 
 
 def _lag(problem: PathColumns, kept: _Kept, held: Sequence[HeldWindow]) -> float:
-    modes = next((block for block in problem.task.blocks if isinstance(block, Modes)), None)
+    modes = next((block for block in problem.task.blocks if isinstance(block, Modes | Softening)), None)
     return _searched_lag(problem, kept, held) if modes is None else modes.lag_s
 
 
@@ -196,6 +197,14 @@ def path_model(problem: PathColumns, trust: Trust) -> tuple[Model, list[Floats]]
     dc = 1.0 + sum(block.amount * len(block.tau_s) for block in task.blocks if isinstance(block, Creep))
     block = operator.block(weights[:size], (float(weights[size]) + left_um) / dc)
     parts = tuple(dataclasses.replace(part, lag_s=lag_s) if isinstance(part, Modes) else part for part in task.blocks)
+    parts = tuple(
+        dataclasses.replace(
+            part, level_um=dc * float(weights[:size] @ operator.at(part.middle_V)) + float(weights[size])
+        )
+        if isinstance(part, Softening)
+        else part
+        for part in parts
+    )
     model = Model(
         name=task.name,
         Ts_s=task.record.Ts_s,
@@ -238,7 +247,7 @@ class _Kept:
         rows = known[weight[known] > 0.0]
         if rows.size > MOST_ROWS:
             rows = np.sort(np.random.default_rng(0).choice(rows, MOST_ROWS, replace=False))
-        y_um = np.concatenate([segment.y_um - looped_um(task, segment) for segment in task.record.segments])
+        y_um = np.concatenate([segment.y_um - added_um(task, segment) for segment in task.record.segments])
         return cls(rows, np.sqrt(weight[rows]), y_um[rows])
 
     @property

@@ -20,7 +20,6 @@ from hysgen.model.intervals import Interval
 from hysgen.model.model import Grid
 from hysgen.model.path import InputBlock
 from hysgen.model.path.creep import Creep
-from hysgen.model.path.loop import Loop
 from hysgen.record import Record, Segment
 
 Floats = NDArray[np.float64]
@@ -101,30 +100,23 @@ def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
         if not block.responds:
             u_V = block.apply(u_V, Ts_s)
     columns = task.size.operator(*passed_V(task)).columns(u_V)
-    for block in _linear(task):
-        for column in columns:
-            column[:] = block.apply(column, Ts_s)
+    for block in task.blocks:
+        for column in columns if block.responds else ():
+            column[:] = block.linear_part(column, Ts_s)
     drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
     extra = [np.ones(segment.samples)]
     extra += [column for term in task.terms for column in term.regressors(drive).T]
     return columns, np.stack(extra)
 
 
-def _linear(task: PathTask) -> list[InputBlock]:
-    """The responses through which the columns of h pass one by one."""
-    return [block for block in task.blocks if block.responds and not isinstance(block, Loop)]
-
-
-def looped_um(task: PathTask, segment: Segment) -> Floats | float:
-    """(n,) what the states in the loop of a mode add to the displacement, at the gain of their identification."""
-    loop, Ts_s = next((block for block in task.blocks if isinstance(block, Loop)), None), task.record.Ts_s
-    if loop is None:
-        return 0.0
-    u_V = np.clip(segment.u_V, *task.input_range_V)
-    for block in (*(block for block in task.blocks if not block.responds), *_linear(task)):
-        u_V = block.apply(u_V, Ts_s)
-    rate = 1.0 - exp(-Ts_s / loop.lag_s)
-    return loop.moved(loop.gain * lag_of_signals(u_V[None], rate, np.arange(u_V.size))[0], Ts_s)[:, 0]
+def added_um(task: PathTask, segment: Segment) -> Floats | float:
+    """(n,) what blocks that are not linear add to the displacement, at the gain of their identification."""
+    u_V, Ts_s = np.clip(segment.u_V, *task.input_range_V), task.record.Ts_s
+    added: Floats | float = 0.0
+    for block in task.blocks:
+        added = added + block.added_um(u_V, segment.aux, Ts_s)
+        u_V = block.linear_part(u_V, Ts_s)
+    return added
 
 
 def lagged(task: PathTask, held: HeldWindow, lag_s: float, rows: Rows) -> Floats:

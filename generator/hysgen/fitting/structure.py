@@ -24,6 +24,7 @@ from scipy.linalg import solve
 from hysgen.errors import FitError
 from hysgen.model.disturbances.coupling import Drives
 from hysgen.model.path.loop import Loop
+from hysgen.model.path.softening import Softening
 from hysgen.model.path.structure import Structure
 from hysgen.record.series import period_of
 
@@ -54,7 +55,8 @@ class ModalForm:
     """N modes of M drives: poles lam (N,) with Im lam > 0, gains b (N, M), constant c in um; Ts_s: sampling period.
 
     rms_um: error of the identified rows. errors: (N, 2) standard errors of Re lam and Im lam.
-    loop: hysteretic states in the loop of the first mode (`loop`), or None.
+    loop: hysteretic states in the loop of the first mode (`loop`), or None. softening: the block of all modes where an
+    amplitude moves them (`softening`); poles and gains are then those at no amplitude, and amplitude the largest s.
     """
 
     poles: Complex
@@ -64,6 +66,8 @@ class ModalForm:
     rms_um: float
     errors: Floats
     loop: Loop | None = None
+    softening: Softening | None = None
+    amplitude: float = 0.0
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ModalForm) and self._key == other._key
@@ -72,8 +76,8 @@ class ModalForm:
         return hash(self._key)
 
     @property
-    def _key(self) -> tuple[bytes, bytes, float, Loop | None]:
-        return self.poles.tobytes(), self.gains.tobytes(), self.constant_um, self.loop
+    def _key(self) -> tuple[bytes, bytes, float, Loop | Softening | None]:
+        return self.poles.tobytes(), self.gains.tobytes(), self.constant_um, self.loop or self.softening
 
     @property
     def rates(self) -> Complex:
@@ -108,6 +112,9 @@ class ModalForm:
 
     def simulate(self, v: Floats) -> Floats:
         """(n,) displacement in um under the inputs v, (M, n), from rest under v(0)."""
+        if self.softening is not None:
+            block, aux = self.softening, dict(zip(self.softening.channels, v[1:], strict=True))
+            return block.moved(self.constant_um + block.gain * v[0], block.heard(aux), self.Ts_s)[0]
         y = np.full(v.shape[1], self.constant_um)
         for pole, gains in zip(self.poles, self.gains, strict=True):
             y += states(pole, gains @ v).real
@@ -206,10 +213,15 @@ def pieces_of(inputs: Sequence[Floats], y_um: Sequence[Floats], skipped: int) ->
     pieces: list[Piece] = []
     for v, y in zip(inputs, y_um, strict=True):
         v, y = v - middle[:, None], y - constant
-        periods = {period_of(signal) for signal in v if np.ptp(signal) > 0.0}
-        period = periods.pop() if len(periods) == 1 else None
+        period = steady_period(v)
         pieces.append(Rows(v, y, min(skipped, y.size // 2)) if period is None else lines_of(v, y, period))
     return pieces
+
+
+def steady_period(v: Floats) -> int | None:
+    """The period in rows of inputs, (M, n), that all repeat after it; None of others."""
+    periods = {period_of(signal) for signal in v if np.ptp(signal) > 0.0}
+    return periods.pop() if len(periods) == 1 else None
 
 
 def lines_of(v: Floats, y_um: Floats, period: int) -> Lines:
@@ -224,10 +236,10 @@ def lines_of(v: Floats, y_um: Floats, period: int) -> Lines:
     return Lines(np.exp(2j * np.pi * excited / period), V[:, excited], Y[excited], period)
 
 
-def identify_structure(inputs: Sequence[Floats], y_um: Sequence[Floats], Ts_s: float) -> ModalForm:
+def identify_structure(inputs: Sequence[Floats], y_um: Sequence[Floats], Ts_s: float, charge: float = 1.0) -> ModalForm:
     """The modes that the inputs, (M, n) of each segment, excite in the displacement, (n,) of each, in um.
 
-    Deterministic. Raises FitError if the rows are too few for the first fit.
+    charge: part of Schwarz's charge for a mode. Deterministic. Raises FitError if the rows are too few for a fit.
     """
     pieces = pieces_of(inputs, y_um, 8 * ARX_ORDER)
     rows, numbers = sum(piece.rows for piece in pieces), (1 + len(inputs[0])) * ARX_ORDER
@@ -235,7 +247,7 @@ def identify_structure(inputs: Sequence[Floats], y_um: Sequence[Floats], Ts_s: f
         raise FitError(f"structure: {rows} rows do not determine {numbers} numbers; give a longer record")
     poles = _arx_poles(pieces)
     for _ in range(ROUNDS):
-        form = _refined(pieces, *_supported(pieces, poles), Ts_s)
+        form = _refined(pieces, *_supported(pieces, poles, charge), Ts_s)
         if form.poles.size == poles.size:
             break
         poles = form.poles
@@ -291,11 +303,11 @@ def admitted_poles(poles: Complex) -> Complex:
     return np.asarray(np.exp(-decay + 1j * angle))
 
 
-def _supported(pieces: Sequence[Piece], poles: Complex) -> tuple[Complex, Complex]:
+def _supported(pieces: Sequence[Piece], poles: Complex, charge: float) -> tuple[Complex, Complex]:
     """Poles (N,) and input gains (N, M) by least squares, without modes that the record does not support.
 
     The mode without which the squared error rises least is left out, as long as the rise is below what Schwarz's
-    criterion charges for its 2 + 2 M numbers.
+    criterion charges for its 2 + 2 M numbers, or a part `charge` of it.
     """
     drives = len(pieces[0].v)
     size = 2 * drives
@@ -313,7 +325,7 @@ def _supported(pieces: Sequence[Piece], poles: Complex) -> tuple[Complex, Comple
         blocks = [slice(size * i, size * (i + 1)) for i in range(len(kept))]
         rises = [float(weights[at] @ np.linalg.lstsq(inverse[at, at], weights[at], rcond=None)[0]) for at in blocks]
         least = int(np.argmin(rises))
-        if rises[least] > (2 + size) * math.log(normal.equations) / normal.equations * left or len(kept) == 1:
+        if rises[least] > charge * (2 + size) * math.log(normal.equations) / normal.equations * left or len(kept) == 1:
             return poles[kept], _complex(weights).reshape(len(kept), drives)
         del kept[least]
 

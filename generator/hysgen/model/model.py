@@ -272,6 +272,11 @@ class Model(Displayed):
         return float(np.prod(np.sign([*slopes, self.consequents[:, 1].sum()]))) >= 0.0
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The auxiliary channels that terms and blocks read, each once, in the order of the C interface."""
+        return tuple(dict.fromkeys(name for part in (*self.terms, *self.blocks) for name in part.channels))
+
+    @property
     def responds(self) -> bool:
         """Whether the path holds a response of the stage (hysteresis, creep, modes)."""
         return any(block.responds for block in self.blocks)

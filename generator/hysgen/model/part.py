@@ -304,6 +304,8 @@ class ModelPart(Part, abc.ABC):
     """A part of a model: parameters and, in C, a struct of its own. The defaults are those of a part without any."""
 
     kind: ClassVar[str]
+    channels: tuple[str, ...] = ()
+    """Names of the auxiliary channels that it reads."""
     two_words: ClassVar[bool] = False
     """Whether its states are sums of two words (`float32_arithmetic`)."""
 

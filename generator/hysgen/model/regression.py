@@ -87,7 +87,7 @@ def drive_of(segment: Segment, Ts_s: float, structure: Structure, start: Mapping
     if not (np.isfinite(segment.u_V).all() and np.isfinite(segment.y_um).all()):
         raise RecordError(f"segment {segment.name}: holds numbers that are not finite; cut those rows out")
     u_V = np.clip(segment.u_V, structure.u_min_V, structure.u_max_V)
-    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s, structure.w_range, start))
+    v_V = np.ascontiguousarray(applied(structure.blocks, u_V, Ts_s, structure.w_range, start, segment.aux))
     return Drive(v_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s), start=start or {})
 
 

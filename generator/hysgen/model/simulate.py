@@ -70,9 +70,8 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
     drive.u_V is the command: it is clamped to the model's range and passed through its blocks.
     """
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
-    arriving = dataclasses.replace(
-        drive, u_V=np.ascontiguousarray(applied(model.blocks, u_V, drive.Ts_s, model.w_range, drive.start))
-    )
+    w = applied(model.blocks, u_V, drive.Ts_s, model.w_range, drive.start, drive.aux)
+    arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(w))
     y_um, y_clamped = run.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
     return ModelOutput(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
@@ -266,7 +265,6 @@ def series(values: ArrayLike, name: str, size: int | None = None) -> Floats:
 
 
 def _need_channels(model: Model, given: Mapping[str, Floats]) -> None:
-    for term in model.terms:
-        channel = getattr(term, "channel", None)
-        if isinstance(channel, str) and channel not in given:
+    for channel in model.channels:
+        if channel not in given:
             raise ModelError(f"{model.name}: needs the channel {channel}; give channels={{{channel!r}: values}}")

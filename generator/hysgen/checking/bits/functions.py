@@ -20,7 +20,7 @@ from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner
 from hysgen.float32.struct_words import LEARNER_COUNTERS
-from hysgen.model.disturbances import Drive, channels_of
+from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.path import applied
 from hysgen.model.simulate import simulate
@@ -86,7 +86,7 @@ def weaker_stage(model: Model, u: Words, rng: np.random.Generator) -> Words:
     """
     low, high = model.grid.y_min_um, model.grid.y_max_um
     plant = dataclasses.replace(model, consequents=model.consequents * [1.0, WEAKER, 1.0])
-    aux = {channel: np.zeros(u.size) for channel in channels_of(model.terms)}
+    aux = {channel: np.zeros(u.size) for channel in model.channels}
     drive = Drive(u.view(np.float32).astype(np.float64), model.Ts_s, aux)
     y_um = simulate(plant, drive, 0.5 * (low + high)).y_um
     noise_um = SENSOR_NOISE * (high - low) * rng.standard_normal(y_um.size)

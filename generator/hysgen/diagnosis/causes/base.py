@@ -256,15 +256,17 @@ class Cause(abc.ABC):
     def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats] | None:
         """The displacement, (n,), with the cause and without it; None if the model does not have the cause.
 
-        By default that of the model, and of the model without the part of the cause. Other terms are left out.
+        By default that of the model, and of the model without the part of the cause. Other terms, and blocks that read
+        channels, are left out.
         """
         model, kind = seen.model, self.kind or self.name
         u_V = model.u_min_V + motion.levels * (model.u_max_V - model.u_min_V)
         sizes = np.cumsum([0, *(term.size for term in model.terms)])
         own = [i for i, term in enumerate(model.terms) if term.kind == kind]
         terms, weights = tuple(model.terms[i] for i in own), [model.weights[sizes[i] : sizes[i + 1]] for i in own]
-        acting = dataclasses.replace(model, terms=terms, weights=np.concatenate([np.zeros(0), *weights]))
-        blocks = tuple(block for block in model.blocks if block.kind != kind)
+        still = tuple(block for block in model.blocks if not block.channels)
+        acting = dataclasses.replace(model, terms=terms, weights=np.concatenate([np.zeros(0), *weights]), blocks=still)
+        blocks = tuple(block for block in still if block.kind != kind)
         free = dataclasses.replace(model, terms=(), weights=np.zeros(0), blocks=blocks)
         return None if acting == free else (acting.simulate(u_V), free.simulate(u_V))
 

@@ -17,7 +17,6 @@ import numpy as np
 
 from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients, coefficients
 from hysgen.float32.struct_words import InstanceWords
-from hysgen.model.disturbances import channels_of
 from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.float32_arithmetic import (
     INFINITY_BITS,
@@ -160,7 +159,7 @@ class Instance(InstanceWords):
         self._model = model
         self.numbers: Coefficients = coefficients(model)
         self.bank: Bank = self.numbers.bank
-        self.channels = channels_of(model.terms)
+        self.channels = model.channels
         self.init(y_um, u_V)
 
     def init(self, y_um: Floats32, u_V: Floats32) -> None:
@@ -180,8 +179,7 @@ class Instance(InstanceWords):
     def aux(self, values: Sequence[Floats32]) -> None:
         """Set the auxiliary channels of the next sample, (lanes,) each, in the order of `channels`."""
         named = dict(zip(self.channels, values, strict=True))
-        for term in self.terms:
-            bits = term.listen(named)
+        for bits in (*(term.listen(named) for term in self.terms), self.inputs.listen(named)):
             if bits is not None:
                 self.status = self.status | bits
 

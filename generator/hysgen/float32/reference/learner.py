@@ -173,6 +173,7 @@ class Learner(LearnerWords):
         named = dict(zip(self.channels, values, strict=True))
         for term in self.terms:
             term.listen(named)
+        self.inputs.listen(named)
 
     def learn(self, y_um: Floats32, u_V: Floats32) -> None:
         """Process sample k, (lanes,) each; the innovation is y(k) minus its prediction from sample k - 1."""

@@ -47,7 +47,12 @@ def kernel(file: str) -> Library:
 _FFI = FFI()
 POINTERS = {
     np.dtype(number): _FFI.typeof(pointer)
-    for number, pointer in ((np.float64, "double *"), (np.int64, "int64_t *"), (np.uintp, "size_t *"))
+    for number, pointer in (
+        (np.float64, "double *"),
+        (np.float32, "float *"),
+        (np.int64, "int64_t *"),
+        (np.uintp, "size_t *"),
+    )
 }
 """Pointers that a kernel takes, by the type of the array."""
 
@@ -65,5 +70,5 @@ def call(file: str, function: str, *arguments: Any) -> Any:
 
 def _pointer(array: NDArray[Any]) -> Any:
     if array.dtype not in POINTERS or not array.flags.c_contiguous:
-        raise ValueError("a kernel takes C-contiguous arrays of float64, int64 or size_t")
+        raise ValueError("a kernel takes C-contiguous arrays of float64, float32, int64 or size_t")
     return _FFI.from_buffer(POINTERS[array.dtype], array)

@@ -82,6 +82,37 @@ def loop_states(y: Floats, parts: int, pole: Floats, force: Floats, shape: Float
     return out
 
 
+MOST_MODES, MOST_DRIVES, SLOPES_TOGETHER = 64, 16, 32
+"""Sizes of the arrays of softening.c."""
+
+
+def softening_states(v: Floats, numbers: Floats, rate: float, most: float) -> tuple[Floats, Floats]:
+    """Modes that follow a bounded amplitude (softening.c), from rest under v(0).
+
+    v: (n, drives); numbers: (modes, 6 + 4 drives); rate, most: of the amplitude. Returns c, (n, 2 modes), and y, zeta
+    and s, (n, 3). Raises ValueError for more modes or drives than the kernel has room for.
+    """
+    v, numbers = (np.ascontiguousarray(values, dtype=np.float64) for values in (v, numbers))
+    modes, drives = len(numbers), v.shape[1]
+    if modes > MOST_MODES or drives > MOST_DRIVES or numbers.shape[1] != 6 + 4 * drives:
+        raise ValueError(f"at most {MOST_MODES} modes and {MOST_DRIVES} drives")
+    c, moved = np.empty((len(v), 2 * modes)), np.empty((len(v), 3))
+    call("softening.c", "hysgen_softening", len(v), modes, drives, numbers, rate, most, v, c, moved)
+    return c, moved
+
+
+def softening_slopes(v: Floats, numbers: Floats, rate: float, run: tuple[Floats, Floats]) -> NDArray[np.float32]:
+    """(n, p) dy/d(number) along a run of `softening_states`, in the order of the numbers; zero at its first sample."""
+    v, numbers, c, moved = (np.ascontiguousarray(values, dtype=np.float64) for values in (v, numbers, *run))
+    J = np.empty((len(v), numbers.size), dtype=np.float32)
+    for first in range(0, numbers.size, SLOPES_TOGETHER):
+        part = np.empty((len(v), min(SLOPES_TOGETHER, numbers.size - first)), dtype=np.float32)
+        sizes = (len(v), len(numbers), v.shape[1])
+        call("softening.c", "hysgen_softening_slopes", *sizes, numbers, rate, v, c, moved, first, part.shape[1], part)
+        J[:, first : first + part.shape[1]] = part
+    return J
+
+
 def slew_limited(u_V: Floats, rise_V: float, fall_V: float, start_V: float) -> Floats:
     """Slew-rate limiter, v(k) = max(v(k-1) - fall, min(v(k-1) + rise, u(k))).
 

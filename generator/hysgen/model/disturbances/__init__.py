@@ -5,7 +5,7 @@ found by listing this package, so these two add a kind.
 """
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from hysgen.errors import ModelError
@@ -17,7 +17,6 @@ __all__ = [
     "Term",
     "TermBox",
     "box_of",
-    "channels_of",
     "kinds",
     "term_from_json",
 ]
@@ -30,11 +29,6 @@ FORMER = ("memory", "creep", "resonance")
 def kinds() -> Mapping[str, type[Term]]:
     """Every kind of term that is installed, by name."""
     return Term.kinds_in(__name__, __path__)
-
-
-def channels_of(terms: Sequence[Term]) -> tuple[str, ...]:
-    """The auxiliary channels that the terms read, each once, in the order of the C interface."""
-    return tuple(dict.fromkeys(name for term in terms for name in term.channels))
 
 
 def term_from_json(data: Mapping[str, Any]) -> Term:

@@ -112,9 +112,6 @@ class Term(ModelPart):
     foreseen: ClassVar[bool] = False
     """Whether phi_j of a later sample is known before: the inverse of a model with a delay uses phi_j(k + preview)."""
 
-    channels: tuple[str, ...] = ()
-    """Names of the auxiliary channels that the term reads."""
-
     @property
     def added(self) -> int:
         return self.size

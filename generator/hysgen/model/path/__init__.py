@@ -76,15 +76,21 @@ def _range_behind(blocks: tuple[InputBlock, ...], u_V: Interval) -> Interval:
 
 
 def applied(
-    blocks: Sequence[InputBlock], u_V: Floats, Ts_s: float, limits: Interval, start: Mapping[str, Floats] | None = None
+    blocks: Sequence[InputBlock],
+    u_V: Floats,
+    Ts_s: float,
+    limits: Interval,
+    start: Mapping[str, Floats] | None = None,
+    aux: Mapping[str, Floats] | None = None,
 ) -> Floats:
     """w, (n,), of the commands u_V, (n,): the input after all blocks, from rest under u(0).
 
     limits: range of w (`path_range`), to which w is limited behind a response of the stage. start: states of blocks
-    before the first sample, by `state_key`, where they are known.
+    before the first sample, by `state_key`, where they are known. aux: the channels of blocks, (n,) each, by default
+    at their middles.
     """
     for block in blocks:
-        u_V = block.apply(u_V, Ts_s, (start or {}).get(state_key(block)))
+        u_V = block.driven(u_V, aux, Ts_s, (start or {}).get(state_key(block)))
     return np.clip(u_V, limits.low, limits.high) if any(block.responds for block in blocks) else u_V
 
 

@@ -79,6 +79,10 @@ class BlockMirror(MirroredStruct, abc.ABC):
         Valid until the first sample.
         """
 
+    def listen(self, aux: Mapping[str, Floats32]) -> Bits | None:
+        """The auxiliary channels of sample k, (lanes,) each. Returns the bits to set in the status word."""
+        return None
+
     def solve(self, wanted: Floats32) -> Floats32:
         """Input, (lanes,), for which `apply` would return `wanted`; does not move the state.
 
@@ -142,6 +146,18 @@ class InputBlock(ModelPart):
     @abc.abstractmethod
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
         """Output (n,) of the inputs u_V (n,), in float64, from the state `start`, by default at rest under u(0)."""
+
+    def driven(self, u_V: Floats, aux: Mapping[str, Floats] | None, Ts_s: float, start: Floats | None = None) -> Floats:
+        """`apply` beside the auxiliary channels of a block that has some; None: every channel at its middle."""
+        return self.apply(u_V, Ts_s, start)
+
+    def linear_part(self, u_V: Floats, Ts_s: float) -> Floats:
+        """(n,) output of the block where it is linear; by default `apply`, from rest under u(0)."""
+        return self.apply(u_V, Ts_s)
+
+    def added_um(self, u_V: Floats, aux: Mapping[str, Floats], Ts_s: float) -> Floats | float:
+        """(n,) displacement that the block adds to its linear part, at the gain of its identification, under u_V."""
+        return 0.0
 
     def free_responses(self, t_s: Floats) -> list[Floats]:
         """Courses of unit size, (n,) each, by which a state from before the record fades; t_s: (n,) since its start."""

@@ -20,7 +20,8 @@ y strays by is left to the lag of the rules.
 """
 
 import copy
-from collections.abc import Sequence
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,6 +102,11 @@ class ChainMirror(MirroredStruct):
             self.v_V = self.v_V if block.responds else v
         self.rest = self._inside(v)
         self._straighten()
+
+    def listen(self, aux: Mapping[str, Floats32]) -> Bits | None:
+        """The auxiliary channels of the blocks that read some, (lanes,) each. Returns bits for the status word."""
+        heard = [bits for block in self.blocks if (bits := block.listen(aux)) is not None]
+        return functools.reduce(np.bitwise_or, heard) if heard else None
 
     def apply(self, u_V: Floats32) -> Floats32:
         """w(k), (lanes,), of the commands u(k), (lanes,)."""

@@ -20,7 +20,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels.operators import lag_states, loop_states
+from hysgen.machine.kernels.operators import lag_of_signals, lag_states, loop_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.float32_arithmetic import KEPT, accumulate, flushed
 from hysgen.model.intervals import Interval, symmetric
@@ -101,6 +101,13 @@ class Loop(InputBlock):
         y = lag_states(np.append(u_V, u_V[-1]), np.array([rate]), u_V[:1])[:, 0]
         x = self.moved(y, Ts_s)[:, 0]
         return np.asarray(u_V + (x[1:] - (1.0 - rate) * x[:-1]) / rate)
+
+    def linear_part(self, u_V: Floats, Ts_s: float) -> Floats:
+        return u_V
+
+    def added_um(self, u_V: Floats, aux: Mapping[str, Floats], Ts_s: float) -> Floats:
+        rate = -expm1(-Ts_s / self.lag_s)
+        return self.moved(self.gain * lag_of_signals(u_V[None], rate, np.arange(u_V.size))[0], Ts_s)[:, 0]
 
     def image(self, u_V: Interval) -> Interval:
         """The range of the input, wider by half its width at each end: more is not believed of a mode."""

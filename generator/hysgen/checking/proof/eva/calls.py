@@ -54,7 +54,6 @@ from hysgen.codegen.render import render
 from hysgen.codegen.structs import interface_of
 from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
-from hysgen.model.disturbances import channels_of
 from hysgen.model.intervals import ANY, symmetric
 from hysgen.model.model import Model
 
@@ -101,7 +100,7 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
         "function": function,
         "words": [*banks, *known],
         "inputs": FUNCTIONS[function],
-        "channels": len(channels_of(model.terms)) if function == "aux" else 0,
+        "channels": len(model.channels) if function == "aux" else 0,
         "input": floats[inputs],
         "result": "float" if function in ("predict", "simulate", "inverse", "correct") else "",
     }
@@ -184,7 +183,7 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         "function": function,
         "model_words": [*bank_words(model), *instance_words(model, texts)],
         "words": known,
-        "channels": len(channels_of(model.terms)),
+        "channels": len(model.channels),
         "wild": [member.name for member in struct.members if member.name in WILD and member.sizes],
         "scalars": ["per_alpha"],
         "any": f"{name}_float({ANY_WORD})",
