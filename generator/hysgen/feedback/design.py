@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.signal import bilinear_zpk
 
 from hysgen.feedback.stage import natural
 from hysgen.model.path.modes import MOST_DAMPING
@@ -63,7 +63,7 @@ def zpk(notches: tuple[Notch, ...], Ts_s: float) -> tuple[Complex, Complex, floa
     """Zeros, poles and gain of F(z) by the bilinear transform; F(1) = 1."""
     zeros = [_pair(notch.zero_Hz, notch.zero_damping) for notch in notches]
     poles = [_pair(notch.pole_Hz, notch.pole_damping) for notch in notches]
-    z, p, _ = bilinear_zpk(np.ravel(zeros), np.ravel(poles), 1.0, 1.0 / Ts_s)
+    z, p, _ = scipy.signal.bilinear_zpk(np.ravel(zeros), np.ravel(poles), 1.0, 1.0 / Ts_s)
     return z, p, float(np.real(np.prod(1.0 - p) / np.prod(1.0 - z)))
 
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
-from scipy.stats.qmc import Sobol
 
 from hysgen.certify.enclosure import slope
 from hysgen.errors import ModelError
@@ -79,7 +79,7 @@ def draws(model: Model) -> Floats:
     if any(isinstance(block, Softening) for block in model.blocks):
         raise ModelError(f"{model.name}: its modes move with amplitude; no loop is designed around them")
     modes = sum(len(block.f_Hz) for block in model.blocks if isinstance(block, Modes))
-    return np.asarray(2.0 * Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
+    return np.asarray(2.0 * scipy.stats.qmc.Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
 
 
 def modes_of(model: Model) -> list[tuple[float, float]]:

@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
 from scipy.linalg import solve
 
@@ -178,10 +179,10 @@ Piece = Lines | Rows
 
 def states(pole: complex, signal: Signal) -> Complex:
     """(n,) x of x(k+1) = lam x(k) + s(k), at rest under s(0) before row 0."""
-    from scipy.signal import lfilter  # imports scipy.stats, which takes half a second
-
     start = np.array([signal[0] / (1.0 - pole)])
-    return np.asarray(lfilter([0.0, 1.0], [1.0, -pole], np.asarray(signal, dtype=np.complex128), zi=start)[0])
+    return np.asarray(
+        scipy.signal.lfilter([0.0, 1.0], [1.0, -pole], np.asarray(signal, dtype=np.complex128), zi=start)[0]
+    )
 
 
 def structure_parts(form: ModalForm, channels: Mapping[str, tuple[float, float]]) -> tuple[Structure, Drives | None]:

@@ -16,9 +16,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.signal import lfilter
 
 from hysgen.errors import ModelError
 from hysgen.machine.kernels.operators import hysteresis_inverse
@@ -148,10 +148,10 @@ def _linear_inverse(space: StateSpace, out: Floats) -> Floats:
     x = out / D
     for zero, weight in zip(zeros, weights, strict=True):
         if abs(zero) < 1.0:
-            state = lfilter([0.0, weight], [1.0, -zero], out)
+            state = scipy.signal.lfilter([0.0, weight], [1.0, -zero], out)
         else:
             last = weight * out[-1] / (1.0 - zero)
-            back, _ = lfilter([-weight / zero], [1.0, -1.0 / zero], out[::-1], zi=[last / zero])
+            back, _ = scipy.signal.lfilter([-weight / zero], [1.0, -1.0 / zero], out[::-1], zi=[last / zero])
             state = back[::-1]
         x = x - np.real(state) / D
     return np.asarray(x)
@@ -163,9 +163,9 @@ def _sooner(block: Delay, out: Floats) -> Floats:
     early = held[block.whole : block.whole + out.size]
     if mu / (1.0 - mu) < NEAR_CIRCLE:
         start = [-mu / (1.0 - mu) * out[0]]
-        return np.asarray(lfilter([1.0 / (1.0 - mu)], [1.0, mu / (1.0 - mu)], early, zi=start)[0])
+        return np.asarray(scipy.signal.lfilter([1.0 / (1.0 - mu)], [1.0, mu / (1.0 - mu)], early, zi=start)[0])
     later = held[block.whole + 1 :]
     if (1.0 - mu) / mu < NEAR_CIRCLE:
         end = [-(1.0 - mu) / mu * out[-1]]
-        return np.asarray(lfilter([1.0 / mu], [1.0, (1.0 - mu) / mu], later[::-1], zi=end)[0][::-1])
+        return np.asarray(scipy.signal.lfilter([1.0 / mu], [1.0, (1.0 - mu) / mu], later[::-1], zi=end)[0][::-1])
     return np.asarray(early + mu * (later - early))

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from hysgen.errors import ModelError, RecordError
 from hysgen.model.model import Model
@@ -138,7 +138,7 @@ def at_rate(given: Series, Ts_s: float) -> Sampled:
     if count < 2:
         raise ModelError(f"{given.source}: is shorter than two samples of the model, {2 * Ts_s:g} s; give a longer one")
     times_s = np.minimum(given.time_s[0] + Ts_s * np.arange(count), given.time_s[-1])
-    values = PchipInterpolator(given.time_s, given.values)(times_s)
+    values = scipy.interpolate.PchipInterpolator(given.time_s, given.values)(times_s)
     reason = (
         f"{given.source}: a sample every {float(np.median(steps)):.6g} s; the model steps every {Ts_s:.6g} s, so it is "
         "read between the samples"
