@@ -112,7 +112,7 @@ FAULTS: Final[Mapping[str, Sequence[tuple[str, str, str, str]]]] = {
         (PAPER, "inverse", "rejected | refused", "rejected & refused"),
         (EXTENDED, "predict", "w = self.inputs.apply(u)\n        return", "w = u\n        return"),
     ),
-    "model.disturbances.coupling": ((CHANNELS, "aux", "np.where(value > high, high, value)", "value"),),
+    "model.path.channels": ((CHANNELS, "aux", "np.where(value > high, high, value)", "value"),),
     "float32.reference.commit": (
         (LEARNER, "commit", "self.point >= self.numbers.points", "self.point > self.numbers.points"),
         (LEARNER, "commit", "gain - away <= numbers.gain_floor", "gain - away < numbers.gain_floor"),
