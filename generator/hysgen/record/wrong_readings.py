@@ -75,6 +75,10 @@ class WrongReading:
     bridged: float
     voltage: bool = False
 
+    @property
+    def unit(self) -> str:
+        return "V" if self.voltage else "um"
+
 
 def wrong_readings(run: Segment) -> list[WrongReading]:
     """The wrong readings of a run, in order, those of the voltage first."""
@@ -194,10 +198,9 @@ def lines_of(source: str, found: Sequence[WrongReading]) -> tuple[str, ...]:
     """A line for each wrong reading of a record; rows are those of the whole record, also for a part "a.csv[20:80]"."""
     name, first = part_of(source)
     lines = [
-        f"{name}: row {first + one.row}: the {'voltage' if one.voltage else 'displacement'} is {one.value:.6g} {unit}, "
-        f"{abs(one.value - one.bridged):.4g} {unit} off its neighbours: a wrong reading, left out"
+        f"{name}: row {first + one.row}: the {'voltage' if one.voltage else 'displacement'} is {one.value:.6g} "
+        f"{one.unit}, {abs(one.value - one.bridged):.4g} {one.unit} off its neighbours: a wrong reading, left out"
         for one in found[:SAID]
-        for unit in ("V" if one.voltage else "um",)
     ]
     if len(found) > SAID:
         lines.append(f"{name}: {len(found) - SAID} more wrong readings are left out, to row {first + found[-1].row}")

@@ -7,7 +7,7 @@ bounds of its parameters, under which conditions it acts on a record, and the ev
 import abc
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
@@ -266,9 +266,12 @@ class Cause(abc.ABC):
         terms, weights = tuple(model.terms[i] for i in own), [model.weights[sizes[i] : sizes[i + 1]] for i in own]
         still = tuple(block for block in model.blocks if not block.channels)
         acting = dataclasses.replace(model, terms=terms, weights=np.concatenate([np.zeros(0), *weights]), blocks=still)
-        blocks = tuple(block for block in still if block.kind != kind)
-        free = dataclasses.replace(model, terms=(), weights=np.zeros(0), blocks=blocks)
+        free = dataclasses.replace(model, terms=(), weights=np.zeros(0), blocks=self.unaffected(still))
         return None if acting == free else (acting.simulate(u_V), free.simulate(u_V))
+
+    def unaffected(self, blocks: Sequence[InputBlock]) -> tuple[InputBlock, ...]:
+        """The blocks of a model without the cause; by default without those of its kind."""
+        return tuple(block for block in blocks if block.kind != (self.kind or self.name))
 
     def sketch(self, seen: Seen) -> Sketch | None:
         """Two small pictures, with the cause and without it; None if there are none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -73,10 +74,6 @@ class CreepPart(Part):
         """The creep of a stage that rested before the record."""
         return CreepPart(self.per_decade, self.from_s, first_V=self.first_V)
 
-    def moved(self, past_V: float, span_s: float) -> CreepPart:
-        """The creep of a stage that rested at past_V until PAST_S of the record before it."""
-        return CreepPart(self.per_decade, self.from_s, past_V, PAST_S * span_s, self.first_V)
-
     def slow_states(self, span_s: float, states: int = FITTED_PER_DECADE) -> Creep:
         # Creep slower than ten times the length of the record cannot be measured.
         return Creep.logarithmic(self.per_decade, self.from_s, 10.0 * span_s, states)
@@ -106,9 +103,9 @@ class CreepCause(Cause):
 
     def fuller_forms(self, chain: Chain, scene: Scene) -> list[Chain]:
         """Creep of a stage that moved before the record, which drifts."""
-        part, extent = chain.of(CreepPart), scene.extent
-        pasts = [part.moved(past_V, scene.span_s) for past_V in (extent.low_V, extent.high_V)]
-        return [] if part.past_V is not None else [chain.having(past) for past in pasts]
+        part, past_s = chain.of(CreepPart), PAST_S * scene.span_s
+        ends_V = () if part.past_V is not None else (scene.extent.low_V, scene.extent.high_V)
+        return [chain.having(dataclasses.replace(part, past_V=past_V, past_s=past_s)) for past_V in ends_V]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start for each level of the past: a fit does not leave the side on which it starts."""

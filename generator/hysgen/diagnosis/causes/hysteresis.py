@@ -6,7 +6,7 @@ Relaxation: domains switch by thermal activation, so the loop depends on the rat
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -25,6 +25,7 @@ from hysgen.fitting.path import RELAXATIONS
 from hysgen.fitting.refit import loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.record.series import turning_rows
 
@@ -296,17 +297,11 @@ class RelaxationCause(Cause):
     def motion(self, values: Mapping[str, float], Ts_s: float) -> Motion:
         return voltage_step(1.0, Ts_s)
 
-    def motions_um(self, motion: Motion, seen: Seen) -> tuple[Floats, Floats] | None:
-        """The model without other terms, and with plays that stand while the voltage rests."""
-        model = dataclasses.replace(seen.model, terms=(), weights=np.zeros(0))
-        still = tuple(
-            dataclasses.replace(block, relaxation=0.0) if isinstance(block, Hysteresis) else block
-            for block in model.blocks
+    def unaffected(self, blocks: Sequence[InputBlock]) -> tuple[InputBlock, ...]:
+        """Plays that stand while the voltage rests."""
+        return tuple(
+            dataclasses.replace(block, relaxation=0.0) if isinstance(block, Hysteresis) else block for block in blocks
         )
-        if still == model.blocks:
-            return None
-        u_V = model.u_min_V + motion.levels * (model.u_max_V - model.u_min_V)
-        return model.simulate(u_V), dataclasses.replace(model, blocks=still).simulate(u_V)
 
     def forms(self, extension: Extension) -> list[Extension]:
         """The size of the hysteresis that memory has, or densities fine enough for many hysterons."""

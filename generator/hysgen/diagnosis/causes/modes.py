@@ -87,7 +87,7 @@ class StructurePart(Part):
         return True  # what other drives and many modes move differs from pass to pass
 
     def columns(self, run: RunSignals, extent: Extent, seen: Callable[[Floats], Floats]) -> list[Floats]:
-        return [self.form.simulate(np.stack([run.u_V, *(run.aux[name] for name in self.channels)]))]
+        return [self.form.simulate(inputs_of(run, self.channels))]
 
     def columns_depend_on(self, lag_s: float, delay: float) -> Hashable:
         return self.form
@@ -251,10 +251,15 @@ def moving_channels(scene: Scene) -> tuple[str, ...]:
     return tuple(name for name in names if all(float(np.ptp(run.aux[name])) > 0.0 for run in scene.runs))
 
 
+def inputs_of(run: RunSignals, channels: Sequence[str]) -> Floats:
+    """(M, n) the command, and the channels behind it."""
+    return np.stack([run.u_V, *(run.aux[name] for name in channels)])
+
+
 @functools.lru_cache(maxsize=1)
 def identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) -> StructurePart | None:
     """The structure that command and channels excite; None for runs that are too short."""
-    inputs = [np.stack([run.u_V, *(run.aux[name] for name in channels)]) for run in runs]
+    inputs = [inputs_of(run, channels) for run in runs]
     try:
         form = identify_structure(inputs, [run.y_um for run in runs], Ts_s)
     except FitError:
@@ -263,16 +268,21 @@ def identified(runs: tuple[Trace, ...], channels: tuple[str, ...], Ts_s: float) 
 
 
 def _light_modes(form: ModalForm) -> list[Mode]:
-    """At most MOST_MODES modes whose frequency is known to KNOWN of it, the lightest first."""
+    """At most MOST_MODES of the known modes, the lightest first."""
+    lightest = _known(form, form.zeta)[:MOST_MODES]
+    return [Mode(float(form.f_Hz[m]), float(form.zeta[m]), 1.0) for m in lightest]
+
+
+def _known(form: ModalForm, by: Floats) -> list[int]:
+    """The modes whose frequency is known to KNOWN of it, in rising order of one of their numbers."""
     known = np.flatnonzero(form.f_error_Hz < KNOWN * form.f_Hz)
-    rising = known[np.argsort(form.zeta[known], kind="stable")].tolist()
-    return [Mode(float(form.f_Hz[m]), float(form.zeta[m]), 1.0) for m in rising[:MOST_MODES]]
+    order: list[int] = known[np.argsort(by[known], kind="stable")].tolist()
+    return order
 
 
 def _signature_of(form: ModalForm, channels: Sequence[str]) -> Signature:
     """Each mode of a structure whose frequency is known to KNOWN of it, in rising order."""
-    known = np.flatnonzero(form.f_error_Hz < KNOWN * form.f_Hz)
-    order = known[np.argsort(form.f_Hz[known], kind="stable")].tolist()
+    order = _known(form, form.f_Hz)
     parameters, texts = {}, []
     for i, m in enumerate(order):
         suffix = "" if i == 0 else f"_{i + 1}"

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
-from hysgen.diagnosis.causes.modes import StructurePart, identified, moving_channels
+from hysgen.diagnosis.causes.modes import StructurePart, identified, inputs_of, moving_channels
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Trace
@@ -113,7 +113,7 @@ def _moving(
     part = identified(runs, names, Ts_s)
     if part is None:
         return None
-    inputs = [np.stack([run.u_V, *(run.aux[name] for name in names)]) for run in runs]
+    inputs = [inputs_of(run, names) for run in runs]
     channels = dict(zip(names, ranges, strict=True))
     form = identify_softening(inputs, [run.y_um for run in runs], part.form, channels)
     return None if form is None else StructurePart(form, names, part.form)
