@@ -35,9 +35,10 @@ from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation
 
 SAMPLES = 8000
+ALONE = [[block] for block in (*BLOCKS, *TOGETHER)]
 CHAINS: list[list[InputBlock]] = [
-    *([block] for block in (*BLOCKS, *RESPONSES)),
     [*BLOCKS, *TOGETHER],
+    *([block] for block in RESPONSES if block not in TOGETHER),
     [Delay(0.0)],
     [Delay(0.7)],
     list(diagnosed().blocks),
@@ -88,7 +89,11 @@ def test_the_state_of_each_term_stays_in_its_box(term: Term, function: str) -> N
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("blocks", CHAINS, ids=lambda blocks: "+".join(block.kind for block in blocks))
+@pytest.mark.parametrize(
+    "blocks",
+    [*CHAINS, *(pytest.param(blocks, marks=pytest.mark.proof) for blocks in ALONE)],
+    ids=lambda blocks: "+".join(block.kind for block in blocks),
+)
 @pytest.mark.slow
 def test_the_state_of_each_block_and_of_a_term_behind_it_stays_in_its_box(
     blocks: list[InputBlock], function: str

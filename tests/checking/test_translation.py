@@ -55,7 +55,8 @@ def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("seed", "complete"), [pytest.param(0, True, marks=pytest.mark.proof), (0, False), (1, False), (7, False)]
+    ("seed", "complete"),
+    [pytest.param(*drawn, marks=pytest.mark.proof) for drawn in ((0, True), (0, False), (1, False))] + [(7, False)],
 )
 def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int, complete: bool) -> None:
     model = random_model(seed, complete)

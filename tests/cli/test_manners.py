@@ -203,7 +203,7 @@ KILL = "os.kill(os.getpid(), signal.SIGINT)"
 
 
 @pytest.mark.parametrize(
-    "within", [KILL, "exec('raise KeyboardInterrupt')", f"weakref.ref(set(), lambda _: {KILL}), time.sleep(9)"]
+    "within", [KILL, "exec('raise KeyboardInterrupt')", f"weakref.ref(set(), lambda _: {KILL}), time.sleep(0.5)"]
 )
 def test_an_interrupt_is_one_line_and_a_code_also_in_executed_texts_and_callbacks(within: str) -> None:
     """Dataclasses are made by such texts; CPython then ends by the signal after the line, or drops the interrupt."""

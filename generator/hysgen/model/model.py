@@ -138,6 +138,10 @@ class Model(Displayed):
     scores: Mapping[str, Any] = field(default_factory=dict)
     certificates: Mapping[str, Any] = field(default_factory=dict)
 
+    def __deepcopy__(self, made: dict[int, Any]) -> Model:
+        """Itself, for it cannot change: mirrors are copied often."""
+        return self
+
     def __post_init__(self) -> None:
         if fault := fault_of_name(self.name):
             raise ModelError(fault)

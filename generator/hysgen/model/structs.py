@@ -71,6 +71,10 @@ class Member:
     remark: str = ""
     axis: Axis | None = None
 
+    def __deepcopy__(self, made: dict[int, Any]) -> Member:
+        """Itself, for it cannot change: mirrors are copied often."""
+        return self
+
     def __post_init__(self) -> None:
         if len(self.sizes) > 2 or not (isinstance(self.type, Struct) or self.type in get_args(Scalar)):
             raise ModelError(

@@ -80,6 +80,7 @@ class _Run:
     def __init__(self, model: Model) -> None:
         self._model, self._traced, self.path = model, traced(model), 0.0
         self._chain: ChainMirror | None = None
+        self._solves = self._traced and all(block.solves(model.Ts_s) for block in model.blocks if block.responds)
 
     def step(self, u: Floats32) -> tuple[Floats32, Floats]:
         """w in float32, the input of the rules, and in real arithmetic, from the same state; (lanes,) each."""
@@ -105,15 +106,14 @@ class _Run:
         chain, before = copy.deepcopy(self._before), self._before
         found = chain.invert(w)
         free = ~(found.unreachable | (found.astray != 0.0))
-        blocks = [pair for pair in zip(self._model.blocks, before.blocks, strict=True) if pair[0].responds]
-        if not self._traced or not all(block.solves(self._model.Ts_s) for block, _ in blocks):
+        if not self._solves:
             return found.w.astype(np.float64), free
         v = before.v_V
         if any(
             block.interpolates for block in self._model.blocks
         ):  # the inverse solves for the sample after the one that is stored
-            for _, mirror in blocks:
-                v = flushed(mirror.apply(v))
+            for block, mirror in zip(self._model.blocks, before.blocks, strict=True):
+                v = flushed(mirror.apply(v)) if block.responds else v
         return real_w(self._model, before, chain.v_V, stage=True), free
 
 

@@ -13,7 +13,7 @@ largest of the three. A state of two words is their sum; the output takes the hi
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -213,7 +213,7 @@ def _(block: Hysteresis, v: Number, n: Numbers, Ts_s: float) -> Number:
     per_half = n.constant(2.0 / (block.high_V - block.low_V), number.per_half)
     unit = n.exact(1.0)
     x = n.flushed(n.limited((v - middle) * per_half, n.exact(-1.0), unit))
-    curve, powers = power_coefficients(series)
+    curve, powers = _series_powers(block)
     size = float(2.0**block.curve_degree * (np.abs(series.curve).sum() + np.abs(series.plays).sum()))
     curved = series_value(x, [n.constant(*pair, size) for pair in zip(curve, number.curve[0, 0], strict=True)])
     sums, parts = [], []
@@ -233,6 +233,11 @@ def _(block: Hysteresis, v: Number, n: Numbers, Ts_s: float) -> Number:
     return n.sided(h, _sum(parts))
 
 
+@functools.lru_cache(maxsize=4)
+def _series_powers(block: Hysteresis) -> tuple[Floats, Floats]:
+    return power_coefficients(block.series)
+
+
 @output.register
 def _(block: Creep, x: Number, n: Numbers, Ts_s: float) -> Number:
     constants = block.constants(Ts_s)
@@ -240,15 +245,20 @@ def _(block: Creep, x: Number, n: Numbers, Ts_s: float) -> Number:
     return x + n.constant(block.amount, constants["amount"][0]) * _sum(states)
 
 
+@functools.lru_cache(maxsize=4)
+def _mode_numbers(block: Modes, Ts_s: float) -> tuple[Mapping[str, Floats32], tuple[Floats, Floats], float]:
+    return block.constants(Ts_s), block.weights(Ts_s), block.direct(Ts_s)
+
+
 @output.register
 def _(block: Modes, x: Number, n: Numbers, Ts_s: float) -> Number:
-    constants, weights = block.constants(Ts_s), block.weights(Ts_s)
+    constants, weights, direct = _mode_numbers(block, Ts_s)
     size = 1.0 + float(np.abs(weights).sum())
     named = zip(weights, (constants["of_position"], constants["of_velocity"]), strict=True)
     factors = [[n.constant(*pair, size) for pair in zip(*both, strict=True)] for both in named]
     states = n.lags(x, ("position", "velocity"), constants["real"] + 1j * constants["imag"])
     parts = [a * position + b * velocity for a, b, position, velocity in zip(*factors, *states, strict=True)]
-    return n.constant(block.direct(Ts_s), constants["direct"][0], size) * x + _sum(parts)
+    return n.constant(direct, constants["direct"][0], size) * x + _sum(parts)
 
 
 def _sum(parts: Sequence[Number]) -> Number:
