@@ -16,7 +16,7 @@ import argparse
 import dataclasses
 import importlib.util
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -131,10 +131,11 @@ FAULTS: Final[Mapping[str, Sequence[tuple[str, str, str, str]]]] = {
 
 @dataclasses.dataclass(frozen=True)
 class Judged:
-    """What the proof says of a model: answer by function, equalities of the solver, seconds, MB."""
+    """What the proof says of a model: answer by function, equalities of the solver by kind and its time, time, MB."""
 
     answers: dict[str, str]
-    solved: int
+    solved: Counter[str]
+    solver_s: float
     seconds: float
     MB: float
 
@@ -187,11 +188,12 @@ def scheduled(name: str, fault: tuple[str, str] | None = None, place: float = 0.
     return lambda: said(kernel_proofs(model, texts))
 
 
-def said(result: Any) -> tuple[dict[str, str], int]:
-    """The answers by function, and the equalities that the solver decided."""
+def said(result: Any) -> tuple[dict[str, str], Counter[str], float]:
+    """The answers by function, the equalities that the solver decided, by kind, and in how many seconds."""
     proofs = result.functions
     answers = {proof.function: "proved" if proof.holds else proof.line() for proof in proofs}
-    return answers, sum(proof.solved for proof in proofs)
+    solved = sum((Counter(proof.by_kind) for proof in proofs), Counter[str]())
+    return answers, solved, sum(proof.solver_s for proof in proofs)
 
 
 def prepared(name: str, functions: Sequence[str], change: tuple[str, str] = ("", ""), module: str = "") -> Any:
@@ -225,8 +227,7 @@ def _reference_with(name: str, change: tuple[str, str]) -> None:
 def judged(*arguments: Any, task: Callable[..., Any] = prepared) -> Judged:
     """The answer of `prepared`, or of `scheduled`, in a process of its own."""
     done = alone(task, *arguments)
-    answers, solved = done.value
-    return Judged(answers, solved, done.seconds, done.MB)
+    return Judged(*done.value, done.seconds, done.MB)
 
 
 LISTED: Final = (
@@ -250,12 +251,13 @@ def models(first: int, random: int, of_kernels: bool = False) -> None:
         kinds[name if name in LISTED else "random"].append(result)
         print(
             f"{name}: {len(result.answers) - len(open_words)} of {len(result.answers)} functions proved, "
-            f"{result.solved} equalities by the solver, {result.seconds:.1f} s, {result.MB:.0f} MB",
+            f"{result.solved.total()} equalities by the solver in {result.solver_s:.1f} s {dict(result.solved)}, "
+            f"{result.seconds:.1f} s, {result.MB:.0f} MB",
             *open_words,
             sep="\n  ",
             flush=True,
         )
-    print(f"{'kind':20} models whole functions proved  s_mean  s_most MB_most solved")
+    print(f"{'kind':20} models whole functions proved  s_mean  s_most MB_most solved solver_s")
     for kind, results in kinds.items():
         answers = [answer for result in results for answer in result.answers.values()]
         whole = sum(set(result.answers.values()) == {"proved"} for result in results)
@@ -263,7 +265,7 @@ def models(first: int, random: int, of_kernels: bool = False) -> None:
         print(
             f"{kind:20} {len(results):6} {whole:5} {len(answers):9} {answers.count('proved'):6} "
             f"{sum(seconds) / len(seconds):7.1f} {max(seconds):7.1f} {max(result.MB for result in results):7.0f} "
-            f"{sum(result.solved for result in results):6}"
+            f"{sum(result.solved.total() for result in results):6} {sum(result.solver_s for result in results):8.1f}"
         )
 
 

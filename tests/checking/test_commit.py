@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from fixtures.commit_border import acceptance_boundary, answers, directions
-from fixtures.generated_models import everything, smooth
+from fixtures.generated_models import smooth
 from fixtures.learner_bench import START_UM, START_V, sized, texts_of
 from fixtures.tools import need
 from hysgen.certify.certificates import certify
@@ -60,18 +60,9 @@ def remembering() -> Model:
     )
 
 
-def everything_learned() -> Model:
-    return dataclasses.replace(everything(), learner=LearnerSettings(points_per_call=4))
-
-
 BUILDS = [
     (sized(6, points_per_call=7), GCC),
-    (sized(18), CLANG),
-    (sized(24), GCC),
-    (paper("bias"), GCC),
-    (paper("rules"), GCC),
     (remembering(), CLANG),
-    (everything_learned(), GCC),
 ]
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import Floats32, Pair, corrupted, sized, texts_of
 from fixtures.proof_models import texts
 from fixtures.tools import need
@@ -17,25 +16,17 @@ from hysgen.checking.host import Host, compiled
 from hysgen.errors import HysgenError
 from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
-from hysgen.model.learner_settings import LEARNED, LearnerSettings
+from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.structs import Member
 
 GCC, CLANG = Toolchain("gcc", ("-O3",)), Toolchain("clang", ("-O2",))
-SUBSETS = [LEARNED["bias"], LEARNED["gain"], ("slope", "offset")]
 
 
-@pytest.mark.parametrize(("size", "samples"), [(6, 600), (18, 600), (36, 192)])
 @pytest.mark.slow
-def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample(size: int, samples: int) -> None:
-    """Every compared word after every sample of one chain: the reference really runs it in a row."""
-    assert Pair(sized(size, settle=samples // 3)).first_difference(*corrupted(samples)) is None
-
-
-@pytest.mark.parametrize("learned", SUBSETS, ids="+".join)
-@pytest.mark.slow
-def test_a_subset_of_the_parameters_learns_bit_for_bit(learned: tuple[str, ...]) -> None:
-    model = dataclasses.replace(smooth(5, 3), learner=LearnerSettings(learned=learned, settle=128))
-    assert Pair(model).first_difference(*corrupted(300)) is None
+def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample() -> None:
+    """Every compared word after every sample of one chain: the reference really runs it in a row. Of other sizes and
+    subsets it is proved (test_translation.py)."""
+    assert Pair(sized(6, settle=200)).first_difference(*corrupted(600)) is None
 
 
 def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
@@ -106,13 +97,7 @@ def test_a_state_that_cannot_be_copied_number_by_number_is_refused(kind: Any, si
         Member("x", kind, "state", sizes)
 
 
-@pytest.mark.slow
-def test_terms_blocks_and_drift_of_the_learner_are_its_own_and_equal() -> None:
-    model = dataclasses.replace(everything(), learner=LearnerSettings(learned=("gain", "offset")))
-    assert Pair(model).first_difference(*corrupted(500)) is None
-
-
-@pytest.mark.parametrize(("size", "toolchain"), [(6, CLANG), (18, GCC), (36, CLANG)], ids=lambda value: str(value))
+@pytest.mark.parametrize(("size", "toolchain"), [(6, CLANG), (18, GCC)], ids=lambda value: str(value))
 @pytest.mark.slow
 def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size: int, toolchain: Toolchain) -> None:
     need(toolchain.command)

@@ -1,5 +1,6 @@
 """Translation validation: the C of every part is proved equal to its reference, and every planted fault is seen."""
 
+import dataclasses
 import importlib
 import re
 import sys
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 from fixtures.drawn_models import random_model
+from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.proof_models import model as proof_model
@@ -25,6 +27,7 @@ from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.source import KernelRefusalError
 from hysgen.codegen import generate
 from hysgen.errors import BuildError, HysgenError
+from hysgen.model.learner_settings import LEARNED, LearnerSettings
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 proofs = importlib.import_module("proofs")
@@ -66,10 +69,17 @@ def test_every_block_and_term_and_layout_of_the_rules_is_proved(seed: int, compl
 
 @pytest.mark.slow
 @pytest.mark.proof
-@pytest.mark.parametrize("parameters", [6, 18])
-def test_a_learner_and_its_commit_are_proved_for_every_input(parameters: int) -> None:
-    """In every case of the truths that the C branches on: 10 and 40 s of one core."""
-    model = sized(parameters)
+@pytest.mark.parametrize(
+    "model",
+    [
+        *map(sized, (6, 18)),
+        dataclasses.replace(smooth(5, 3), learner=LearnerSettings(learned=LEARNED["bias"])),
+        dataclasses.replace(everything(), learner=LearnerSettings(learned=("gain", "offset"))),
+    ],
+    ids=lambda model: model.name,
+)
+def test_a_learner_and_its_commit_are_proved_for_every_input(model: Any) -> None:
+    """In every case of the truths that the C branches on: 10, 40, 5 and 15 s of one core."""
     result = translation(model, texts_of(model), calls=LEARNING)
     assert proved(result) == dict.fromkeys(LEARNING, True), result.lines()
     learn = next(proof for proof in result.functions if proof.function == "learn")

@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fixtures.drawn_models import random_model
 from fixtures.generated_models import hysteresis
 from fixtures.guards import unguarded_against_fusing
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.api.code import verify
 from hysgen.checking.bits import Report, VerifySettings, verify_texts
-from hysgen.codegen import Derived, generate, write
+from hysgen.codegen import generate, write
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
@@ -51,14 +50,6 @@ def test_generated_c_equals_reference_in_every_installed_build() -> None:
     assert report.equal, "\n".join(report.lines())
     assert report.samples >= SAMPLES
     assert {run.function for run in report.runs} == {"selftest", "init", "predict", "simulate", "limits", "inverse"}
-
-
-@pytest.mark.parametrize("model", [random_model(1), random_model(1, complete=True)], ids=lambda m: m.name)
-@pytest.mark.slow
-def test_c_of_drawn_models_equals_its_reference(model: Model) -> None:
-    derived = Derived(model)
-    report = compared(model, generate(derived, derived.options))
-    assert report.equal, "\n".join(report.lines())
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -142,7 +142,7 @@ float extended_predict(extended_t *self, float y_um, float u_V);
 /** One step of the free run: as extended_predict, from the last output instead of a measured displacement.
  *
  * Each step adds the error E of extended_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
- * distance stays below E / (1 - s).
+ * distance stays below E / (1 - s). For what roundings leave in other states no bound is proved.
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in extended_predict
@@ -190,7 +190,7 @@ float extended_inverse(extended_t *self, float y_um, float y_next_um);
  * @param self         the instance
  * @param residual_um  reference less reading [um], both of the same sample, limited to EXTENDED_LOOP_REACH_UM either way; 0
  *                     stands in for one that is not finite. Both are counted as for a displacement.
- * @return             c(k) [um]
+ * @return             c(k) [um]; no bound of its rounding is proved
  *
  * 2 float +-, 1 float *, 8 float comparisons, 63 integer, 12 loads, 7 stores.
  * C674x: about 130 cycles (estimate). */

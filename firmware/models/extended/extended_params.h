@@ -37,7 +37,8 @@
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist. PATH: part of the path, of w; INVERSE: of y(k+1) against
  * the reference where no limit acts.
- * BOUND: proved against real arithmetic, for these numbers, every input and every state. */
+ * BOUND: proved against real arithmetic, for every input and state and these numbers: not for
+ * those that a learner commits. */
 #define EXTENDED_PREDICT_FOUND_UM  8.70000008e-07f  /* 0x356989f2 */
 #define EXTENDED_PATH_FOUND        6.09999972e-07f  /* 0x3523bee1 */
 #define EXTENDED_INVERSE_FOUND_UM  6.99999987e-07f  /* 0x353be7a2 */

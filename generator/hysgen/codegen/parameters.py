@@ -113,8 +113,12 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
     )
     if responds:
         comment += " PATH: part of the path, of w; INVERSE: of y(k+1) against\nthe reference where no limit acts."
-    if errors.proved is not None:
-        comment += "\nBOUND: proved against real arithmetic, for these numbers, every input and every state."
+        comment += "" if errors.path else " The part of this path is in none of them."
+    if errors.proved is None:
+        comment += "\nNo bound is proved: of more than 12 rules, disturbances, loop, softening, blocks of your own."
+    else:
+        comment += "\nBOUND: proved against real arithmetic, for every input and state and these numbers: not for\n"
+        comment += "those that a learner commits."
         bounds = {"PREDICT_UM": errors.proved.predict_um, "INVERSE_V": errors.proved.inverse_V}
         if responds:
             bounds |= {"PATH": errors.proved.path, "INVERSE_UM": errors.proved.inverse_um}

@@ -1696,6 +1696,7 @@ void diagnosed_learn_init(diagnosed_learner_t *self, const diagnosed_t *model)
     diagnosed_hysteresis_copy(&self->inputs.hysteresis, &model->inputs.hysteresis);
     diagnosed_creep_copy(&self->inputs.creep, &model->inputs.creep);
     diagnosed_modes_copy(&self->inputs.modes, &model->inputs.modes);
+    diagnosed_inputs_straighten(&self->inputs);
     self->candidate.phase = (uint32_t)DIAGNOSED_PHASE_IDLE;
     self->candidate.point = 0u;
     diagnosed_restart(self);

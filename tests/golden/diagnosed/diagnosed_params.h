@@ -32,7 +32,8 @@
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist. PATH: part of the path, of w; INVERSE: of y(k+1) against
  * the reference where no limit acts.
- * BOUND: proved against real arithmetic, for these numbers, every input and every state. */
+ * BOUND: proved against real arithmetic, for every input and state and these numbers: not for
+ * those that a learner commits. */
 #define DIAGNOSED_PREDICT_FOUND_UM  1.39999997e-06f  /* 0x35bbe7a2 */
 #define DIAGNOSED_PATH_FOUND        6.39999996e-07f  /* 0x352bcc77 */
 #define DIAGNOSED_INVERSE_FOUND_UM  1.09999996e-06f  /* 0x3593a3b6 */

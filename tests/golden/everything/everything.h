@@ -193,7 +193,7 @@ float everything_predict(everything_t *self, float y_um, float u_V);
 /** One step of the free run: as everything_predict, from the last output instead of a measured displacement.
  *
  * Each step adds the error E of everything_predict to the distance from the exact run; while |df/dy| stays below s < 1, that
- * distance stays below E / (1 - s).
+ * distance stays below E / (1 - s). For what roundings leave in other states no bound is proved.
  *
  * @param self  the instance
  * @param u_V   input u(k) [V], as in everything_predict
@@ -248,7 +248,7 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um);
  * @param self         the instance
  * @param residual_um  reference less reading [um], both of the same sample, limited to EVERYTHING_LOOP_REACH_UM either way; 0
  *                     stands in for one that is not finite. Both are counted as for a displacement.
- * @return             c(k) [um]
+ * @return             c(k) [um]; no bound of its rounding is proved
  *
  * 9 float +-, 8 float *, 8 float comparisons, 83 integer, 23 loads, 9 stores.
  * C674x: about 165 cycles (estimate). */

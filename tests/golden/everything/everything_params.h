@@ -33,7 +33,8 @@
 
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist. PATH: part of the path, of w; INVERSE: of y(k+1) against
- * the reference where no limit acts. */
+ * the reference where no limit acts.
+ * No bound is proved: of more than 12 rules, disturbances, loop, softening, blocks of your own. */
 #define EVERYTHING_PREDICT_FOUND_UM  1.30000001e-06f  /* 0x35ae7ba9 */
 #define EVERYTHING_PATH_FOUND        6.60000012e-07f  /* 0x35312adb */
 #define EVERYTHING_INVERSE_FOUND_UM  8.99999975e-07f  /* 0x35719787 */

@@ -24,7 +24,8 @@
 #define SMOOTH_50_REFERENCE_MAX_UM   17.5f  /* 0x418c0000 */
 
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
- * whole range, rounded up; larger ones exist. */
+ * whole range, rounded up; larger ones exist.
+ * No bound is proved: of more than 12 rules, disturbances, loop, softening, blocks of your own. */
 #define SMOOTH_50_PREDICT_FOUND_UM  2.90000003e-06f  /* 0x36429d9f */
 #define SMOOTH_50_INVERSE_FOUND_V    0.00120000006f  /* 0x3a9d4952 */
 

@@ -4,9 +4,8 @@ The reference is called with symbols in place of numbers (`symbolic.arrays`), th
 (`symbolic.from_c`), and every word that they leave is compared (`symbolic.equivalence`): equal operations of equal
 operands, or selections and bit tricks that a solver finds equal. The C of learner and commit asks early and leaves
 early, the reference computes every lane to its end: they are compared in each case of the truths that the C branches
-on. Assumed are the certified box of the state before the
-call, which `hysgen prove` shows to be left by no call, indices inside their arrays, and that the compiler keeps the
-semantics of C; `hysgen verify` samples the compiler.
+on. Assumed are the certified box of the state before the call, which `hysgen prove` shows to be left by no call,
+indices inside their arrays, and that the compiler keeps the semantics of C; `hysgen verify` samples the compiler.
 
 Source: Pnueli, Siegel, Singerman, Translation validation (1998).
 """
@@ -15,7 +14,7 @@ import dataclasses
 import importlib.util
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -78,9 +77,9 @@ class FunctionProof:
     """The proof that one function computes the bits of its reference.
 
     words: compared, the returned one included, in each case. cases: of the truths that the `if` statements of the C
-    depend on. open: words not shown equal, by their C path. solved: equalities that the solver decided. difference: of
-    the first open word that differs in a drawn sample, the sample. refused: why there is no proof, if the function is
-    outside what is traced.
+    depend on. open: words not shown equal, by their C path. solved: equalities that the solver decided, by_kind: of
+    what, solver_s: in how long. difference: of the first open word that differs in a drawn sample, the sample.
+    refused: why there is no proof, if the function is outside what is traced.
     """
 
     function: str
@@ -91,6 +90,8 @@ class FunctionProof:
     difference: str = ""
     refused: str = ""
     cases: int = 1
+    by_kind: Mapping[str, int] = field(default_factory=dict)
+    solver_s: float = 0.0
 
     @property
     def holds(self) -> bool:
@@ -102,7 +103,9 @@ class FunctionProof:
         if self.difference:
             return f"{self.function}: DIFFERS: {self.difference}"
         cases = f"{self.cases} cases, " if self.cases > 1 else ""
-        said = f"{self.words} words, {cases}{self.solved} equalities by the solver, {self.seconds:.1f} s"
+        kinds = ", ".join(f"{number} of {kind}" for kind, number in self.by_kind.items())
+        solved = f"{self.solved} equalities by the solver{f' in {self.solver_s:.1f} s ({kinds})' * bool(kinds)}"
+        said = f"{self.words} words, {cases}{solved}, {self.seconds:.1f} s"
         if self.open:
             return f"{self.function}: not proved: {len(self.open)} words are open, {self.open[0]} first ({said})"
         return f"{self.function}: equal for every input ({said})"
@@ -184,9 +187,9 @@ def _proved(model: Model, source: Source, interface: Any, function: str) -> Func
                         difference = f"{values}, for {call.sample(int(wrong[0]))}"
     except KernelRefusalError as refusal:
         return FunctionProof(function, seconds=time.monotonic() - begun, refused=str(refusal))
-    seconds = time.monotonic() - begun
     unique = tuple(dict.fromkeys(open_words))
-    return FunctionProof(function, words, unique, sweep.decided, seconds, difference, cases=cases)
+    solved = sweep.decided.total(), time.monotonic() - begun, difference, "", cases, sweep.decided, sweep.solver_s
+    return FunctionProof(function, words, unique, *solved)
 
 
 class _Call:

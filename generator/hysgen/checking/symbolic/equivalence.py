@@ -11,6 +11,8 @@ Source of the method: Kuehlmann, Krohm, Equivalence checking using cuts and heap
 import functools
 import itertools
 import operator
+import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -32,7 +34,12 @@ MOST_ASKED: Final = 3000
 """Pairs that the solver is handed in one sweep; what is left then stays open."""
 MOST_SPLIT: Final = 7
 """Operations of a disjunction whose parts, up to four, are cases. A longer one holds or fails as a whole."""
-_SOLVED: Final = frozenset(["select", "cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp", "and", "or", "xor"])
+_SOLVED: Final[Mapping[str, str]] = {
+    "select": "selections",
+    **dict.fromkeys(("cmpeq", "cmpgtu", "cmpltu", "cmpeqsp", "cmpgtsp", "cmpltsp"), "comparisons"),
+    **dict.fromkeys(("and", "or", "xor"), "bits"),
+}
+"""Operations that the solver is asked about: what is decided of them."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +77,9 @@ class Sweep:
     """Representatives of operations.
 
     drawn: SAMPLES values of an input, a `symbol` or a `param`. by_cases: whether the programs branch often. asked,
-    decided: pairs that the solver was handed, and those that it found equal. side: 0 or 1, which of two programs the
-    next operations belong to; within a program only selections are compared, such as limits that never act.
+    decided: pairs that the solver was handed, and those that it found equal, by kind; solver_s: its time. side: 0 or 1,
+    which of two programs the next operations belong to; within a program only selections are compared, such as limits
+    that never act.
     """
 
     drawn: Callable[[Op], Words]
@@ -80,7 +88,8 @@ class Sweep:
     by_cases: bool = False
     side: int = 0
     asked: int = 0
-    decided: int = 0
+    decided: Counter[str] = field(default_factory=Counter)
+    solver_s: float = 0.0
     _of: dict[int, Op] = field(default_factory=dict)
     _merged: dict[int, Op] = field(default_factory=dict)
     _values: dict[int, Words] = field(default_factory=dict)
@@ -231,8 +240,11 @@ class Sweep:
             related = (other for other in candidates if _nested(own, set(map(id, variables(other)))))
             for other in itertools.islice(related, CANDIDATES):
                 self.asked += 1
-                if self._solver.equal(op, other):
-                    self.decided += 1
+                begun = time.monotonic()
+                equal = self._solver.equal(op, other)
+                self.solver_s += time.monotonic() - begun
+                if equal:
+                    self.decided[_SOLVED[op.kind]] += 1
                     return other
         alike.append(op)
         self._side[id(op)] = self.side

@@ -12,10 +12,9 @@ place of u:
 
 Half the lanes drive a mode along its velocity, which brings it to its largest swing.
 
-`python -m hysgen.float32.reference.accuracy MODEL...` prints the figures.
+`python benchmarks/accuracy.py` prints the figures.
 """
 
-import argparse
 import copy
 import functools
 from collections.abc import Iterator
@@ -28,7 +27,6 @@ from numpy.typing import NDArray
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.path_rounding import ProvedErrors, proved_errors, real_w, traced
 from hysgen.machine.reproducible import drawn, product
-from hysgen.model.file import load_model
 from hysgen.model.float32_arithmetic import Floats32, flushed
 from hysgen.model.model import Model
 from hysgen.model.path.chain import ChainMirror, Flags
@@ -179,22 +177,3 @@ def _warm(model: Model, lanes: int, seed: int) -> Instance:
             instance.aux([drawn(rng, 0.0, 1.0, lanes).astype(np.float32) for _ in instance.channels])
         instance.simulate(drawn(rng, model.u_min_V, model.u_max_V, lanes).astype(np.float32))
     return instance
-
-
-def main() -> None:
-    """Print the differences of the models on the command line."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("models", nargs="+", metavar="MODEL")
-    parser.add_argument("--samples", type=int, default=4_000_000)
-    arguments = parser.parse_args()
-    for name in arguments.models:
-        errors = accuracy(load_model(name), arguments.samples)
-        print(
-            f"{name}: {errors.samples} samples, float32 against float64: predict {errors.predict_um:.3g} um, "
-            f"inverse {errors.inverse_V:.3g} V, predict(inverse) {errors.predict_of_inverse_um:.3g} um; "
-            f"path {errors.path:.3g}; proved: {errors.proved}"
-        )
-
-
-if __name__ == "__main__":
-    main()

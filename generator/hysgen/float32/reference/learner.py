@@ -120,6 +120,7 @@ class Learner(LearnerWords):
         self.reference = np.repeat(np.array(own, np.float32)[:, None], lanes, axis=1)
         self.counters = {name: np.zeros(lanes, np.uint32) for name in self.COUNTERS}
         self.inputs, self.terms = copy.deepcopy(instance.inputs), copy.deepcopy(instance.terms)
+        self.inputs.straighten()
         self.restart(np.ones(lanes, np.bool_))
 
     def restart(self, where: Mask) -> None:

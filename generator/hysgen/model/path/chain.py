@@ -101,7 +101,7 @@ class ChainMirror(MirroredStruct):
             v = flushed(mirror.rest()) if block.responds else mirror.rest()
             self.v_V = self.v_V if block.responds else v
         self.rest = self._inside(v)
-        self._straighten()
+        self.straighten()
 
     def listen(self, aux: Mapping[str, Floats32]) -> Bits | None:
         """The auxiliary channels of the blocks that read some, (lanes,) each. Returns bits for the status word."""
@@ -114,7 +114,7 @@ class ChainMirror(MirroredStruct):
         for block in (*self._limiters, *self._delays):
             v = block.apply(v)
         self.v_V = v
-        self._straighten()
+        self.straighten()
         return self._respond(self._responses, v)[0]
 
     def invert(self, w: Floats32, allowed_V: tuple[Floats32, Floats32] | None = None) -> PathInverse:
@@ -182,7 +182,7 @@ class ChainMirror(MirroredStruct):
             block.restore(words[first : first + count])
             first += count
 
-    def _straighten(self) -> None:
+    def straighten(self) -> None:
         """No limit has acted, as far as the inverse knows."""
         self.astray_um, self.asked_um = np.zeros_like(self.v_V), np.zeros_like(self.v_V)
         modes = self.members[2].sizes[0] if self.members else 0
