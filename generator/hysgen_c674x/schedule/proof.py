@@ -93,7 +93,7 @@ def _proof(source: Source, known: "_Words", program: toolchain.Firmware, functio
             c, kernel = (f"{int(sweep.values(op)[wrong[0]]):#010x}" for op in pair)
             drawn = [f"{int(known.drawn(op)[wrong[0]]):#010x}" for op in given.values() if isinstance(op, Op)]
             difference = f"{path}: {kernel} in the kernel, {c} in C, for arguments {', '.join(drawn)}"
-    solved = sweep.decided.total(), time.monotonic() - begun, difference, "", 1, sweep.decided, sweep.solver_s
+    solved = sweep.decided.total(), time.monotonic() - begun, difference, "", 1, dict(sweep.decided), sweep.solver_s
     return FunctionProof(function, len(pairs), tuple(unequal), *solved)
 
 

@@ -188,7 +188,7 @@ def _proved(model: Model, source: Source, interface: Any, function: str) -> Func
     except KernelRefusalError as refusal:
         return FunctionProof(function, seconds=time.monotonic() - begun, refused=str(refusal))
     unique = tuple(dict.fromkeys(open_words))
-    solved = sweep.decided.total(), time.monotonic() - begun, difference, "", cases, sweep.decided, sweep.solver_s
+    solved = sweep.decided.total(), time.monotonic() - begun, difference, "", cases, dict(sweep.decided), sweep.solver_s
     return FunctionProof(function, words, unique, *solved)
 
 
