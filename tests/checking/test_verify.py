@@ -15,8 +15,8 @@ from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.api.code import verify
 from hysgen.checking.bits import Report, VerifySettings, verify_texts
+from hysgen.cli.main import main
 from hysgen.codegen import generate, write
-from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.creep import Creep
@@ -145,9 +145,9 @@ def test_folder_is_verified_as_it_was_written_and_altered_files_are_named(tmp_pa
     assert any(str(header) in line for line in report.altered)
 
 
-def test_folder_without_manifest_is_refused_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(HysgenError, match=r"MANIFEST\.json: is missing; this is not a folder"):
-        verify(tmp_path)
+def test_folder_without_manifest_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", str(tmp_path)]) == 2
+    assert "MANIFEST.json: is missing; this is not a folder" in capsys.readouterr().err
 
 
 def test_missing_compiler_is_told_loudly() -> None:

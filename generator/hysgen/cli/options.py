@@ -109,7 +109,7 @@ def read_records(
 
 def quantities_of(arguments: argparse.Namespace) -> Quantities:
     """The quantities that a call is about: those of --columns, else of the first model or folder of C that it names."""
-    with contextlib.suppress(HysgenError, OSError, StopIteration):
+    with contextlib.suppress(HysgenError, OSError, StopIteration, IndexError):
         if (stated := Columns.from_text(getattr(arguments, "columns", "")).quantities).other:
             return stated
         named = [getattr(arguments, name, None) for name in ("model", "old", "folder")]
