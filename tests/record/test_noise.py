@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hysgen.model.residual import residual_noise, residual_noise_floor
 from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor, noise_floor
-from hysgen.record.series import first_covering, plateaus, resolution_um, turning_rows, white_noise
+from hysgen.record.series import first_covering, period_of, plateaus, resolution_um, turning_rows, white_noise
 
 Floats = NDArray[np.float64]
 TS_S = 1e-3
@@ -138,3 +138,13 @@ def test_properties_of_a_series_by_hand() -> None:
 
 def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:
     assert noise_floor(record_of((np.arange(11.0), np.arange(11.0)))) == NoiseFloor(0.0, "differences", 0)
+
+
+@pytest.mark.parametrize("at", [64, 65], ids=["in the first look", "beside it"])
+def test_a_period_is_found_and_refused_by_the_rms_of_all_differences(at: int) -> None:
+    u_V = np.tile(np.cumsum(RNG.normal(size=500)), 2)
+    limit_V = 1e-3 * float(u_V.std()) * math.sqrt(500.0)
+    for share, period in ((0.9, 500), (1.1, None)):
+        moved = u_V.copy()
+        moved[500 + at] += share * limit_V
+        assert period_of(moved) == period

@@ -24,6 +24,9 @@ LEAST_STEP = 1e-9
 COVERED = 0.98
 """Share of its range that an input has to cover for a hysteresis to forget its initial state."""
 
+SPARSE = 64
+"""Every such difference alone refuses most lags of `period_of`: a sum of some squares is no larger than that of all."""
+
 KEPT, KEPT_POWER = 0.9, 0.62302
 """Share of differences left after trimming the largest, and their mean square in Gaussian noise of variance 1."""
 
@@ -78,6 +81,9 @@ def period_of(u_V: Floats) -> int | None:
         return None
     late = correlation[below[0] :]
     for lag in below[0] + np.flatnonzero(late > (1.0 - 1e-2) * late.max()):
+        few = u_V[lag::SPARSE] - u_V[:-lag:SPARSE]
+        if float(few @ few) > 1.01 * (n - lag) * (REPEATS_WITHIN * deviation) ** 2:
+            continue
         gap = u_V[lag:] - u_V[:-lag]
         if math.sqrt(float(np.mean(gap * gap))) <= REPEATS_WITHIN * deviation:
             return int(lag)
