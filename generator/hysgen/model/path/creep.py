@@ -19,7 +19,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen.machine.kernels.operators import lag_states
+from hysgen.machine.kernels.operators import lag_sums
 from hysgen.machine.reproducible import expm1, spectral_radius
 from hysgen.model.float32_arithmetic import KEPT, accumulate
 from hysgen.model.intervals import Interval
@@ -76,8 +76,8 @@ class Creep(InputBlock):
         return np.full(len(self.tau_s), x)
 
     def apply(self, u_V: Floats, Ts_s: float, start: Floats | None = None) -> Floats:
-        states = lag_states(u_V, self.rates(Ts_s), self.start(float(u_V[0])) if start is None else start)
-        return np.asarray(u_V + self.amount * states.sum(axis=1))
+        sums = lag_sums(u_V, self.rates(Ts_s), self.start(float(u_V[0])) if start is None else start)
+        return np.asarray(u_V + self.amount * sums)
 
     def free_responses(self, t_s: Floats) -> list[Floats]:
         """exp(-t / tau_i)"""
