@@ -208,7 +208,7 @@ def _model_range_um(prepared: Prepared, level: Record) -> tuple[float, float]:
     """
     ranges = [prepared.predicted_range_um]
     if level is not prepared.record:
-        ranges.append(predicted_range_um(level, prepared.training_rows))
+        ranges.append(predicted_range_um(level, prepared.training_rows, prepared.lag))
     return min(low for low, _ in ranges), max(high for _, high in ranges)
 
 

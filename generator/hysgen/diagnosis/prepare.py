@@ -57,6 +57,9 @@ FADING_TRUST = 0.3
 LAGS = 0.3 * 1.5 ** np.arange(18.0)
 """Candidate time constants of the quasi-static fit in samples."""
 
+LAG_ROWS = 20_000
+"""Rows on which the time constants are compared: their residuals differ by far more than a scatter of 1 %."""
+
 HALF_WIDTHS = np.array([0.15, 0.4, 0.8])
 """Plays of the quasi-static fit in half ranges: for small, medium and full strokes."""
 
@@ -146,7 +149,7 @@ class Prepared:
     @cached_property
     def predicted_range_um(self) -> tuple[float, float]:
         """Range of the displacement over the whole command, predicted from the training rows."""
-        return predicted_range_um(self.record, self.training_rows)
+        return predicted_range_um(self.record, self.training_rows, self.lag)
 
     def without(self, corrections: Sequence[Correction]) -> Prepared:
         """The same without changes of the displacement, whose time counts from the start of the first segment."""
@@ -173,51 +176,61 @@ class Prepared:
         return Scene(runs, self.record.Ts_s, rows, Operator(low_V, high_V), self.record.aux_ranges, lost)
 
 
-def predicted_range_um(record: Record, rows: Rows) -> tuple[float, float]:
+def predicted_range_um(record: Record, rows: Rows, lag: float) -> tuple[float, float]:
     """Range of the displacement over the whole command of a record, predicted by a fit to its rows `rows`.
+
+        y(k) = g(x(k)) + sum_i c_i play_i(x(k)),   g a cubic,   x of `_lagged`, lag in samples
 
     The range of the quasi-static fit, widened at both ends by twice the rms of its residual. The displacement measured
     on `rows` is not enough: a later plateau can lie beyond it, and a model is undefined outside its grid.
     """
-    fit = _quasi_static(record, rows)
-    return float(fit.y_um.min()) - 2.0 * fit.residual_um, float(fit.y_um.max()) + 2.0 * fit.residual_um
+    columns = _quasi_static_columns(_lagged(record, lag))
+    weights, residual_um = _fitted(columns[:, rows], _y_um(record)[rows])
+    y_um = weights @ columns
+    return float(y_um.min()) - 2.0 * residual_um, float(y_um.max()) + 2.0 * residual_um
 
 
-@dataclass(frozen=True, eq=False)
-class QuasiStatic:
-    """Time constant in samples, displacement of the whole record, (n,), and rms of the residual on the fitted rows."""
+def quasi_static_lag(record: Record, rows: Rows) -> float:
+    """The lag of LAGS with which the fit of `predicted_range_um` has the least residual on at most LAG_ROWS of `rows`.
 
-    lag: float
-    y_um: Floats
-    residual_um: float
-
-
-def _quasi_static(record: Record, rows: Rows) -> QuasiStatic:
-    """A cubic and three plays of the lagged command, fitted to the rows `rows` by least squares.
-
-        y(k) = g(x(k)) + sum_i c_i play_i(x(k)),   x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k)),   g a cubic
-
-    x and the plays follow the whole command; tau is the best of LAGS.
+    x and the plays follow the whole command whatever rows are compared.
     """
-    y_um = np.concatenate([segment.y_um for segment in record.segments])[rows]
+    # A constant stride would alias with a periodic command.
+    few = rows if len(rows) <= LAG_ROWS else np.sort(np.random.default_rng(0).choice(rows, LAG_ROWS, replace=False))
+    y_um = _y_um(record)[few]
 
-    def fitted(lag: float) -> QuasiStatic:
-        columns = _quasi_static_columns(record, lag)
-        weights, *_ = np.linalg.lstsq(columns[:, rows].T, y_um)
-        residual_um = float(np.sqrt(np.mean((y_um - weights @ columns[:, rows]) ** 2)))
-        return QuasiStatic(lag, weights @ columns, residual_um)
+    def residual_um(lag: float) -> float:
+        return _fitted(_quasi_static_columns(_lagged(record, lag), few), y_um)[1]
 
-    return min(map(fitted, LAGS.tolist()), key=lambda fit: fit.residual_um)
+    return float(min(LAGS.tolist(), key=residual_um))
 
 
-def _quasi_static_columns(record: Record, lag: float) -> Floats:
-    """(4 + p, n) powers and plays of the command behind a lag of `lag` samples, scaled to -1 to 1."""
+def _y_um(record: Record) -> Floats:
+    return np.concatenate([segment.y_um for segment in record.segments])
+
+
+def _fitted(columns: Floats, y_um: Floats) -> tuple[Floats, float]:
+    """Weights of columns, (p, r), by least squares, and the rms of the residual."""
+    weights, *_ = np.linalg.lstsq(columns.T, y_um)
+    return np.asarray(weights), float(np.sqrt(np.mean((y_um - weights @ columns) ** 2)))
+
+
+def _lagged(record: Record, lag: float) -> list[Floats]:
+    """The command of each segment behind a lag of `lag` samples, scaled to -1 to 1.
+
+    x(k+1) = x(k) + (1 - exp(-Ts/tau)) (u(k) - x(k))
+    """
     rate = np.array([-np.expm1(-1.0 / lag)])
     lagged = [lag_states(s.u_V, rate, s.u_V[:1].copy())[:, 0] for s in record.segments]
     low, high = min(x.min() for x in lagged), max(x.max() for x in lagged)
-    lagged = [(2.0 * x - (low + high)) / max(high - low, 1e-300) for x in lagged]
+    return [(2.0 * x - (low + high)) / max(high - low, 1e-300) for x in lagged]
+
+
+def _quasi_static_columns(lagged: Sequence[Floats], rows: Rows | slice = slice(None)) -> Floats:
+    """(4 + p, r) powers and plays of the lagged command on some rows of all segments."""
     x = np.concatenate(lagged)
-    plays = np.concatenate([play_operators(x, HALF_WIDTHS, np.full(HALF_WIDTHS.size, x[0])) for x in lagged])
+    plays = np.concatenate([play_operators(part, HALF_WIDTHS, np.full(HALF_WIDTHS.size, part[0])) for part in lagged])
+    x, plays = x[rows], plays[rows]
     return np.vstack([x**0, x, x**2, x**3, plays.T])
 
 
@@ -259,7 +272,7 @@ def prepare(record: Record, holdout: Record | None = None, identify: float = IDE
             f"{record.source}: {rows.size} of the {cut} samples to identify from come after the input has run through "
             f"its range, a diagnosis needs {FEWEST // 2}; identify from more"
         )
-    lag = _quasi_static(joined, rows).lag
+    lag = quasi_static_lag(joined, rows)
     most = [int(MOST_LAGS * one.samples) for one in joined.segments]
     use = np.where(known_past, Use.FADING, Use.UNKNOWN_PAST).astype(np.int8)
     for lags, reached in ((MODEL_LAGS, Use.MODEL), (PROBE_LAGS, Use.PROBE)):
