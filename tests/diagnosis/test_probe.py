@@ -1,6 +1,7 @@
 """The probe: its linear part is exact, its estimates land on the truth, its standard errors mean what they say."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -24,7 +25,9 @@ from hysgen.diagnosis.probe import (
     Projector,
     Scene,
     Trace,
+    linear_fit,
     refine,
+    single_fit,
     standard_errors,
 )
 from hysgen.diagnosis.probe.solve import BLOCKS, block_left_out_error
@@ -264,6 +267,39 @@ def test_readings_a_code_apart_are_not_corrupted() -> None:
     assert not outlier_flags(error_um, 0.01, 0.0 * error_um).any()
     error_um[1500] = 0.1
     assert np.flatnonzero(outlier_flags(error_um, 0.01, 0.0 * error_um)).tolist() == [1500]
+
+
+@pytest.mark.parametrize(
+    "operator",
+    [
+        Operator(0.0, 10.0),
+        Operator(0.0, 10.0, hats=0, reaches=()),
+        Operator(0.0, 10.0, plays=2, hats=2, degree=3, reaches=(1.0,)),
+        Operator(0.0, 10.0, hats=12, degree=7, relaxation=0.02),
+    ],
+)
+def test_columns_a_few_at_a_time_have_the_bits_of_all(operator: Operator) -> None:
+    u_V = staircase(np.random.default_rng(8), 1000)
+    found = np.full((operator.size, 1000), np.nan)
+    for rows, formed in operator.groups():
+        found[rows] = formed(u_V, start=1.0)
+    assert np.array_equal(found, operator.columns(u_V, 1.0))
+
+
+def test_a_fit_that_nobody_repeats_is_that_of_all_columns_in_a_third_of_the_memory() -> None:
+    rng, samples = np.random.default_rng(9), 60_000
+    u_V = staircase(rng, samples)
+    y_um = np.tanh(u_V - 5.0) + 1e-3 * rng.normal(size=samples)
+    rows = np.arange(100, samples, 20)
+    peaks, fits = [], []
+    for fitted in (linear_fit, single_fit):
+        scene = Scene((Trace(u_V, y_um, {}),), TS_S, rows, Operator(0.0, 10.0))
+        tracemalloc.start()
+        fits.append(fitted(scene, Chain(0.004, (DriftPart(),))))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert np.allclose(fits[0].error, fits[1].error, rtol=0.0, atol=1e-9)
+    assert peaks[1] < peaks[0] / 3.0
 
 
 @pytest.mark.parametrize("u_V", [-10.0, 3.0, 40.0, 85.0])

@@ -21,8 +21,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain, left_by
 from hysgen.diagnosis.prepare import Prepared
-from hysgen.diagnosis.probe import Chain, Scene
-from hysgen.diagnosis.probe.solve import training_fit
+from hysgen.diagnosis.probe import Chain, Scene, single_fit
 from hysgen.diagnosis.search import thinned
 from hysgen.model.model import Model
 from hysgen.model.remaining import Remaining, Taken
@@ -298,8 +297,7 @@ def _probe_error_um(scene: Scene, known: Rows, chain: Chain) -> Floats:
 
     Slow changes that the models are fitted without are parts of the chain, and so are no part of this error.
     """
-    fit = training_fit(thinned(scene.using(known)), chain)
-    return np.asarray(scene.seen(scene.moved_paths(chain, fit.weights), chain, fit.weights) - scene.y_um)
+    return -single_fit(thinned(scene.using(known)), chain).error
 
 
 def _beyond(prepared: Prepared, known: Rows) -> str:

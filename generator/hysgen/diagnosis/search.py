@@ -22,9 +22,9 @@ from hysgen.diagnosis.probe import (
     Chain,
     Fit,
     Scene,
-    linear_fit,
     refine,
     rms,
+    single_fit,
 )
 from hysgen.diagnosis.score import Scored, confidences, present, structure
 from hysgen.diagnosis.search_steps import (
@@ -115,8 +115,10 @@ def over_all_rows(found: SearchResult, whole: Scene) -> Residual:
     """
     if whole.samples == found.scene.samples:
         return Residual(found.scene, found.fit, found.corrupted)
-    usable, corrupted = _without_outliers(whole, linear_fit(thinned(whole), found.fit.chain))
-    fit = linear_fit(thinned(usable), found.fit.chain)
+    fit = single_fit(thinned(whole), found.fit.chain)
+    usable, corrupted = _without_outliers(whole, fit)
+    if len(usable.rows) < len(whole.rows):
+        fit = single_fit(thinned(usable), found.fit.chain)
     # Without the columns of all rows, which a scene keeps.
     return Residual(usable.bare(), dataclasses.replace(fit, rms_um=rms(fit.error[usable.rows])), corrupted)
 

@@ -12,9 +12,9 @@ which are not Preisach operators.
 """
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -75,7 +75,7 @@ class Operator:
     def hat_weights(self) -> Floats:
         """(plays, hats) value of every hat function at every half-width, each with the sum 1, or 0 without plays."""
         r = self.half_widths
-        place = np.sqrt(r / r[-1]) * (self.hats - 1)
+        place = np.sqrt(r / r[-1:]) * (self.hats - 1)
         hats = np.clip(1.0 - np.abs(place[:, None] - np.arange(self.hats)), 0.0, None)
         return np.asarray(hats / np.maximum(hats.sum(axis=0), 1e-300))
 
@@ -95,6 +95,28 @@ class Operator:
         duhem = self.size - 2 * len(self.reaches)
         preisach_columns(out[:duhem], v, begin, basis)
         duhem_columns(out[duhem:], v, np.array(self.reaches))
+        return out
+
+    def groups(self) -> Iterator[tuple[slice, Callable[..., Floats]]]:
+        """`columns` in groups of a few rows with the same bits, for a path whose columns take much memory.
+
+        Of each group: its rows among those of the columns, and the function from u_V and start to these rows.
+        """
+        yield slice(0, self.curve), dataclasses.replace(self, plays=0, hats=0, reaches=()).columns
+        turned = slice(self.curve, self.curve + self.hats * self.degree)
+        for hat in range(self.hats):
+            yield slice(turned.start + hat, turned.stop, self.hats), partial(self._of_hat, hat)
+        for j, reach in enumerate(self.reaches):
+            first = turned.stop + 2 * j
+            yield slice(first, first + 2), dataclasses.replace(self, plays=0, hats=0, curve=0, reaches=(reach,)).columns
+
+    def _of_hat(self, hat: int, u_V: Floats, start: float = 0.0) -> Floats:
+        """(degree, n) the columns of one hat function, from the plays that it weighs."""
+        v, begin, basis = self._along(u_V, start)
+        weighed = np.flatnonzero(basis.hat[:, hat])
+        out = np.empty((self.degree, len(v)))
+        few = PreisachBasis(basis.half_width[weighed], basis.hat[weighed, hat, None], 0, self.degree, self.relaxation)
+        preisach_columns(out, v, begin[weighed], few)
         return out
 
     def path(self, u_V: Floats, weights: Floats, start: float = 0.0) -> Floats:

@@ -50,36 +50,56 @@ class PathTask:
 
 @dataclass(frozen=True, eq=False)
 class HeldWindow:
-    """Columns of `_behind` on a window, with those of `crept`."""
+    """On a window: columns of h behind creep and modes, (size, n), and of offset and terms, (q, n)."""
 
     columns: Floats
     extra: Floats
 
 
 def held_windows(task: PathTask) -> list[HeldWindow]:
-    """The columns of `_behind` on every window of the record."""
+    """The regressors of every window of the record before the lag.
+
+    The columns of h are formed along whole segments, a few at a time, and the windows of each are kept.
+    """
+    Ts_s, operator = task.record.Ts_s, task.size.operator(*passed_V(task))
     held = []
     for segment in task.record.segments:
-        columns, extra = _behind(task, segment)
-        if task.past is not None:
-            columns += crept(task, segment)
-        for at in windows(segment.samples, task.record.samples):
-            held.append(HeldWindow(columns[:, at].copy(), extra[:, at].copy()))
+        u_V = np.clip(segment.u_V, *task.input_range_V)
+        for block in task.blocks:
+            if not block.responds:
+                u_V = block.apply(u_V, Ts_s)
+        drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
+        extra = [column for term in task.terms for column in term.regressors(drive).T]
+        places = windows(segment.samples, task.record.samples)
+        columns = [np.empty((operator.size, at.stop - at.start)) for at in places]
+        for rows, formed in operator.groups():
+            group = formed(u_V)
+            for block in task.blocks:
+                for column in group if block.responds else ():
+                    column[:] = block.linear_part(column, Ts_s)
+            for at, part in zip(places, columns, strict=True):
+                part[rows] = group[:, at]
+        for at, part in zip(places, columns, strict=True):
+            if task.past is not None:
+                part += crept(task, segment, at)
+            held.append(HeldWindow(part, np.stack([np.ones(at.stop - at.start), *(column[at] for column in extra)])))
     return held
 
 
-def crept(task: PathTask, segment: Segment) -> Floats:
+def crept(task: PathTask, segment: Segment, at: slice = slice(None)) -> Floats:
     """(size, n) what creep adds to the columns of h, from the level before the segment: none for a stage at rest.
+
+    at: the samples of the result.
 
     amount (h(past_V) - h(0)) sum_i exp(-(past_s + t) / tau_i)
     """
     operator = task.size.operator(*passed_V(task))
     creep = next((block for block in task.blocks if isinstance(block, Creep)), None)
     if task.past is None or creep is None:
-        return np.zeros((operator.size, segment.samples))
+        return np.zeros((operator.size, segment.u_V[at].size))
     past_V, past_s = task.past
     moved = operator.at(past_V) - operator.columns(np.clip(segment.u_V[:1], *task.input_range_V))[:, 0]
-    t_s = past_s + task.record.Ts_s * np.arange(segment.samples, dtype=np.float64)
+    t_s = past_s + task.record.Ts_s * np.arange(segment.samples, dtype=np.float64)[at]
     return np.asarray(np.multiply.outer(moved, creep.amount * np.sum(creep.free_responses(t_s), axis=0)))
 
 
@@ -90,23 +110,6 @@ def passed_V(task: PathTask) -> tuple[float, float]:
         if not block.responds:
             passed = block.image(passed)
     return passed.low, passed.high
-
-
-def _behind(task: PathTask, segment: Segment) -> tuple[Floats, Floats]:
-    """(size, n) columns of h behind creep and modes, and (q, n) columns of offset and terms."""
-    Ts_s = task.record.Ts_s
-    u_V = np.clip(segment.u_V, *task.input_range_V)
-    for block in task.blocks:
-        if not block.responds:
-            u_V = block.apply(u_V, Ts_s)
-    columns = task.size.operator(*passed_V(task)).columns(u_V)
-    for block in task.blocks:
-        for column in columns if block.responds else ():
-            column[:] = block.linear_part(column, Ts_s)
-    drive = Drive(u_V, Ts_s, segment.aux, first=round(segment.start_s / Ts_s))
-    extra = [np.ones(segment.samples)]
-    extra += [column for term in task.terms for column in term.regressors(drive).T]
-    return columns, np.stack(extra)
 
 
 def added_um(task: PathTask, segment: Segment) -> Floats | float:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -170,12 +171,29 @@ class Scene:
         """
         if not self.complete:
             return self.columns(chain)[:, self.rows]
+        every = slice(0, self.hysteresis_size(chain))
+        return self._training_columns(chain, ([(every, h)] for h in self.hysteresis(chain)))
+
+    def training_columns_once(self, chain: Chain) -> Floats:
+        """`training_columns` where no run has a history; columns of h are formed a few at a time and not kept."""
+        groups = list(self._operator(chain).groups())
+
+        def few(run: Trace) -> Iterator[tuple[slice, Floats]]:
+            for at, formed in groups:
+                yield at, self._path(run, chain, partial(formed, start=run.start))
+
+        return self._training_columns(chain, map(few, self.runs))
+
+    def _training_columns(self, chain: Chain, h_of_runs: Iterable[Iterable[tuple[slice, Floats]]]) -> Floats:
+        """`training_columns` from some columns of h after the other, of each run, and their places."""
         size = self.hysteresis_size(chain)
-        out = np.empty((len(self.rows), size + self._added_size(chain))).T
-        for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
+        out, start = np.empty((len(self.rows), size + self._added_size(chain))).T, np.empty(size)
+        for i, (run, parts) in enumerate(zip(self.runs, h_of_runs, strict=True)):
             here, inside = self._rows_of(i)
-            out[:size, here] = respond_on_rows(h, chain, self.Ts_s, inside)
-            self._fade(out[:size, here], i, chain, h[:, 0], inside)
+            for at, h in parts:
+                out[at, here] = respond_on_rows(h, chain, self.Ts_s, inside)
+                start[at] = h[:, 0]
+            self._fade(out[:size, here], i, chain, start, inside)
             self._age(out[:size, here], run.time_s(self.Ts_s, inside), chain)
             out[size, here] = 1.0
             for row, column in zip(out[size + 1 :, here], self._added_on_rows(i, inside, chain), strict=True):

@@ -130,8 +130,18 @@ def projector_off(scene: Scene, chain: Chain, columns: Floats) -> Projector:
 
 def training_fit(scene: Scene, chain: Chain) -> TrainingFit:
     """`linear_fit` without the error outside the training rows."""
-    columns, y_um = scene.training_columns(chain), scene.y_um[scene.rows]
-    projector = projector_off(scene, chain, columns)
+    return _on_rows(scene, chain, scene.training_columns(chain))
+
+
+def single_fit(scene: Scene, chain: Chain) -> Fit:
+    """`linear_fit` of a chain whose columns over all rows of the scene nobody else needs: they are not formed."""
+    weights = _on_rows(scene, chain, scene.training_columns_once(chain)).weights
+    error = scene.y_um - scene.seen(scene.moved_paths(chain, weights), chain, weights)
+    return Fit(chain, weights, error, rms(error[scene.rows]))
+
+
+def _on_rows(scene: Scene, chain: Chain, columns: Floats) -> TrainingFit:
+    y_um, projector = scene.y_um[scene.rows], projector_off(scene, chain, columns)
     weights = projector.weights(y_um)
     return TrainingFit(chain, weights, rms(y_um - weights @ columns), projector)
 
