@@ -150,8 +150,10 @@ float appendix_a_inverse(appendix_a_t *self, float y_um, float y_next_um);
  * @param self         the instance
  * @param residual_um  reference less reading [um], both of the same sample, limited to APPENDIX_A_LOOP_REACH_UM either way; 0
  *                     stands in for one that is not finite. Both are counted as for a displacement.
- * @return             c(k) [um]; no bound of its rounding is proved
+ * @return             c(k) [um]
  *
+ * Error with this integral, from the same state: at most APPENDIX_A_CORRECT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is APPENDIX_A_CORRECT_FOUND_UM.
  * 2 float +-, 1 float *, 8 float comparisons, 63 integer, 12 loads, 7 stores.
  * C674x: about 130 cycles (estimate). */
 float appendix_a_correct(appendix_a_t *self, float residual_um);

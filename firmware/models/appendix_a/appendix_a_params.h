@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define APPENDIX_A_NUMBERS_DIGEST "247822827dc4647d12dab14bbc2e7b23c49609b81bf9bc6f5547f2267a3ab797"
-#define APPENDIX_A_NUMBERS_WORD 0x24782282u
+#define APPENDIX_A_NUMBERS_DIGEST "c227f986609a296120436a885918efff307a515e1c5b151df5f060a52202df79"
+#define APPENDIX_A_NUMBERS_WORD 0xc227f986u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define APPENDIX_A_Y_MIN_UM           0.66079998f  /* 0x3f292a30 */
@@ -37,8 +37,10 @@
  * those that a learner commits. */
 #define APPENDIX_A_PREDICT_FOUND_UM  1.30000001e-06f  /* 0x35ae7ba9 */
 #define APPENDIX_A_INVERSE_FOUND_V   0.000509999983f  /* 0x3a05b185 */
+#define APPENDIX_A_CORRECT_FOUND_UM  8.19999979e-09f  /* 0x320cdffb */
 #define APPENDIX_A_PREDICT_BOUND_UM  2.79999995e-06f  /* 0x363be7a2 */
 #define APPENDIX_A_INVERSE_BOUND_V    0.00120000006f  /* 0x3a9d4952 */
+#define APPENDIX_A_CORRECT_BOUND_UM  3.49999993e-08f  /* 0x331652e8 */
 
 #endif
 

@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* SHA-256 of the 32-bit words of parts 1 and 2 in their order, little endian, and its first 32 bits. */
-#define EXTENDED_NUMBERS_DIGEST "44ac8ef72368fd4a71edb5c5a30ea078e7f4e659a08d26dd5002da02c52120ca"
-#define EXTENDED_NUMBERS_WORD 0x44ac8ef7u
+#define EXTENDED_NUMBERS_DIGEST "c3fc20a02c65eb056162f7282a4c49f3fefb87bff63edc7f479c0c5c6bd336dc"
+#define EXTENDED_NUMBERS_WORD 0xc3fc20a0u
 
 /* Ranges: inputs outside are limited and counted; a start that is not finite becomes the rest value. */
 #define EXTENDED_Y_MIN_UM           -0.0555000007f  /* 0xbd6353f8 */
@@ -42,9 +42,11 @@
 #define EXTENDED_PREDICT_FOUND_UM  8.70000008e-07f  /* 0x356989f2 */
 #define EXTENDED_PATH_FOUND        6.09999972e-07f  /* 0x3523bee1 */
 #define EXTENDED_INVERSE_FOUND_UM  6.99999987e-07f  /* 0x353be7a2 */
-#define EXTENDED_PREDICT_BOUND_UM  2.40000008e-06f  /* 0x36210fb0 */
+#define EXTENDED_CORRECT_FOUND_UM  8.69999983e-09f  /* 0x32157701 */
+#define EXTENDED_PREDICT_BOUND_UM  2.19999993e-06f  /* 0x3613a3b6 */
 #define EXTENDED_PATH_BOUND        4.50000016e-06f  /* 0x3696feb5 */
 #define EXTENDED_INVERSE_BOUND_UM  1.79999995e-06f  /* 0x35f19787 */
+#define EXTENDED_CORRECT_BOUND_UM  3.49999993e-08f  /* 0x331652e8 */
 
 #endif
 

@@ -107,6 +107,8 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
     if inverse:
         solved = {"INVERSE_FOUND_UM": errors.predict_of_inverse_um}
         stated |= solved if responds else {"INVERSE_FOUND_V": errors.inverse_V}
+    if errors.correct_um:
+        stated["CORRECT_FOUND_UM"] = errors.correct_um
     comment = (
         f"Error of one step from any state. FOUND: the largest against float64 over {errors.samples} samples of the\n"
         "whole range, rounded up; larger ones exist."
@@ -115,13 +117,14 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
         comment += " PATH: part of the path, of w; INVERSE: of y(k+1) against\nthe reference where no limit acts."
         comment += "" if errors.path else " The part of this path is in none of them."
     if errors.proved is None:
-        comment += "\nNo bound is proved: of more than 12 rules, disturbances, loop, softening, blocks of your own."
+        comment += "\nNo bound is proved: of a part of your own, or of a state that does not decay."
     else:
         comment += "\nBOUND: proved against real arithmetic, for every input and state and these numbers: not for\n"
         comment += "those that a learner commits."
         bounds = {"PREDICT_UM": errors.proved.predict_um, "INVERSE_V": errors.proved.inverse_V}
         if responds:
             bounds |= {"PATH": errors.proved.path, "INVERSE_UM": errors.proved.inverse_um}
+        bounds["CORRECT_UM"] = errors.proved.correct_um
         for name, bound in bounds.items():
             function, _, unit = name.partition("_")
             if bound is not None:
@@ -132,7 +135,8 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
 def error_texts(name: str, errors: Accuracy, *, responds: bool) -> dict[str, str]:
     """What the header says of the error of a function over its ranges, by the function's name."""
     texts = {}
-    for function, field in (("PREDICT", "predict_um"), ("INVERSE", "inverse_um" if responds else "inverse_V")):
+    fields = {"PREDICT": "predict_um", "INVERSE": "inverse_um" if responds else "inverse_V", "CORRECT": "correct_um"}
+    for function, field in fields.items():
         start, unit = f"{name.upper()}_{function}", field.rpartition("_")[2].upper()
         sampled = f"the largest found against float64 is {start}_FOUND_{unit}"
         bound = f"at most {start}_BOUND_{unit}, proved against real arithmetic"

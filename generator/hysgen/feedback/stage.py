@@ -196,7 +196,7 @@ def _loop_space(block: Loop, spring: float, Ts_s: float) -> StateSpace:
 
     x <- lam x + e spring (y + Re x), n times a sample, y a line between samples;   out = w + (x(k+1) - a x(k))/(1 - a)
     """
-    step = complex(block._mode.steps(Ts_s / block.parts)[0])
+    step = complex(block.mode.steps(Ts_s / block.parts)[0])
     e = spring * np.array([sum(block.force), sum(block.quadrature)])
     turn = np.array([[1.0 - step.real, -step.imag], [step.imag, 1.0 - step.real]]) + np.outer(e, [1.0, 0.0])
     a = math.exp(-Ts_s / block.lag_s)

@@ -70,7 +70,7 @@ class Coefficients:
     present: (L + 10,) 1 for a rule, 0 for a phantom; empty in the dense layout.
     fold: (L,) factor of each rule's consequent in the bank; pad: number of phantoms before the first rule.
     origin_um: the middle of the centres (dense) or the lowest centre (windowed).
-    per_step: log2(e)/h, octaves per um (dense), or 1/h, steps per um (windowed).
+    per_step: log2(e)/h, octaves per um (dense), or 1/h, steps per um (windowed). octaves: log2(e).
     reference_min_um, reference_max_um: limits of y(k+1) in the inverse, the displacement range extended by its own
     width at either end.
     u_step_max_V: initial and largest limit of the change of the inverse's voltage, twice the range of u: it never acts.
@@ -100,6 +100,7 @@ class Coefficients:
     fold: Floats32
     pad: int
     bank: Bank
+    octaves: np.float32
 
     @property
     def reach_um(self) -> np.float32:
@@ -146,6 +147,7 @@ def coefficients(model: Model) -> Coefficients:
         fold=fold,
         pad=pad,
         bank=folded(singles(model.consequents), singles(model.weights), fold, pad),
+        octaves=single(OCTAVES_PER_STEP),
     )
 
 

@@ -57,6 +57,11 @@ class Feedback:
         return np.float32(0.5 * self.integral)
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the correction in float32, in um."""
+        return -float(np.float32(self.limit_um)), float(np.float32(self.limit_um))
+
+    @property
     def modes(self) -> int:
         """Number of modes of the filter."""
         return 0 if self.filter is None else len(self.filter.f_Hz)

@@ -100,6 +100,13 @@ def power_of_two(x: Floats32) -> Floats32:
 
 
 @functools.singledispatch
+def nearest(x: Floats32) -> tuple[Words, Floats32]:
+    """The nearest integer n >= 0, as an index, and x - n, which is exact."""
+    shifted = x + ROUNDING
+    return bits_of(shifted) - bits_of(np.asarray(ROUNDING)), x - (shifted - ROUNDING)
+
+
+@functools.singledispatch
 def reciprocal(x: Floats32) -> Floats32:
     """1/x by an integer initial value and Newton steps y <- y (2 - x y); x may be negative.
 

@@ -185,7 +185,8 @@ void everything_init(everything_t *self, float y_um, float u_V);
  *              stands in for it
  * @return      y(k+1) [um], which is also kept in self->y_um
  *
- * Error over these ranges, from the same state: the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM; no bound is proved.
+ * Error over these ranges, from the same state: at most EVERYTHING_PREDICT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is EVERYTHING_PREDICT_FOUND_UM.
  * 169 float +-, 109 float *, 27 float comparisons, 216 integer, 147 loads, 53 stores, 5 branches.
  * C674x: about 701 cycles (estimate). */
 float everything_predict(everything_t *self, float y_um, float u_V);
@@ -236,7 +237,8 @@ void everything_limits(everything_t *self, float low_V, float high_V, float step
  *
  * Where the path is missed by more than EVERYTHING_W_TOLERANCE, EVERYTHING_STATUS_INVERSE_RESIDUAL is set.
  * Error over these ranges, where it is not, and no limit acts or has led a mode astray:
- * the largest found against float64 is EVERYTHING_INVERSE_FOUND_UM; no bound is proved.
+ * at most EVERYTHING_INVERSE_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is EVERYTHING_INVERSE_FOUND_UM.
  * 518 float +-, 343 float *, 105 float comparisons, 597 integer, 361 loads, 52 stores, 12 branches.
  * C674x: about 1782 cycles (estimate). */
 float everything_inverse(everything_t *self, float y_um, float y_next_um);
@@ -248,8 +250,10 @@ float everything_inverse(everything_t *self, float y_um, float y_next_um);
  * @param self         the instance
  * @param residual_um  reference less reading [um], both of the same sample, limited to EVERYTHING_LOOP_REACH_UM either way; 0
  *                     stands in for one that is not finite. Both are counted as for a displacement.
- * @return             c(k) [um]; no bound of its rounding is proved
+ * @return             c(k) [um]
  *
+ * Error with this integral, from the same state: at most EVERYTHING_CORRECT_BOUND_UM, proved against real arithmetic;
+ * the largest found against float64 is EVERYTHING_CORRECT_FOUND_UM.
  * 9 float +-, 8 float *, 8 float comparisons, 83 integer, 23 loads, 9 stores.
  * C674x: about 165 cycles (estimate). */
 float everything_correct(everything_t *self, float residual_um);

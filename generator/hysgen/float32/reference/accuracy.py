@@ -17,16 +17,22 @@ Half the lanes drive a mode along its velocity, which brings it to its largest s
 
 import copy
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.float32.coefficients import coefficients
 from hysgen.float32.reference.instance import Instance
-from hysgen.float32.reference.path_rounding import ProvedErrors, proved_errors, real_w, traced
+from hysgen.float32.reference.path_rounding import real_w, traced
+from hysgen.float32.reference.proved import ProvedErrors, proved_errors
+from hysgen.float32.reference.term_rounding import real_correction, real_extra
 from hysgen.machine.reproducible import drawn, product
+from hysgen.model.disturbances.coupling import Coupling
+from hysgen.model.disturbances.periodic import PhaseMirror
+from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.float32_arithmetic import Floats32, flushed
 from hysgen.model.model import Model
 from hysgen.model.path.chain import ChainMirror, Flags
@@ -34,6 +40,7 @@ from hysgen.model.path.modes_mirror import ModesMirror
 from hysgen.model.regression import memberships
 
 Floats = NDArray[np.float64]
+Aux = Mapping[str, Floats]
 
 LANES: Final = 1 << 16
 WARM_UP: Final = 20
@@ -45,7 +52,8 @@ RUN: Final = 128
 class Accuracy:
     """Largest absolute differences over `samples` pairs (y, u); inverse and round trip are 0 without an inverse.
 
-    path: difference of w, in its unit; 0 without a path, or if it is not `traced`. These are found; proved: bounds.
+    path: difference of w, in its unit; 0 without a path, or if it is not `traced`. correct_um: of the correction of the
+    feedback, 0 without. These are found; proved: bounds.
     """
 
     samples: int
@@ -53,6 +61,7 @@ class Accuracy:
     inverse_V: float
     predict_of_inverse_um: float
     path: float = 0.0
+    correct_um: float = 0.0
     proved: ProvedErrors | None = None
 
 
@@ -64,12 +73,11 @@ def accuracy(model: Model, samples: int, *, inverse: bool = True, seed: int = 1)
         run = _Run(swept)
         solves = inverse and (swept is model or not model.responds)
         for y, u in _pairs(swept, samples, seed, lanes):
-            instance = _warm(bare, y.size, seed)
-            worst = np.maximum(worst, _step_errors(bare, instance, run, y, u, solves))
+            worst = np.maximum(worst, _step_errors(bare, _warm(bare, y.size, seed), run, y, u, solves))
         path = run.path
     bounds = proved_errors(model, inverse=inverse)
     predict_um, inverse_V, again_um = worst.tolist()
-    return Accuracy(samples, predict_um, inverse_V, again_um, path, bounds)
+    return Accuracy(samples, predict_um, inverse_V, again_um, path, _correction(model, samples, seed), bounds)
 
 
 class _Run:
@@ -115,17 +123,20 @@ class _Run:
         return real_w(self._model, before, chain.v_V, stage=True), free
 
 
-def _step_errors(model: Model, instance: Instance, run: _Run, y: Floats32, u: Floats32, inverse: bool) -> Floats:
+def _step_errors(
+    model: Model, warm: tuple[Instance, Aux], run: _Run, y: Floats32, u: Floats32, inverse: bool
+) -> Floats:
     """(3,) the largest difference over the lanes, in the order of the fields of `Accuracy`; model: behind the path."""
     w, exact_w = run.step(u)
-    exact_base, exact_gain = _affine(model, instance, y)
+    instance = warm[0]
+    exact_base, exact_gain = _affine(model, warm, y)
     forward, backward = copy.deepcopy(instance), copy.deepcopy(instance)
     y_next = forward.predict(y, w)
     predicted = np.abs(y_next - (exact_base + exact_gain * exact_w)).max()
     if not inverse:
         return np.array([predicted, 0.0, 0.0])
     # The inverse does not correct the terms by the innovation, so its y(k+1) differs from that of predict.
-    base, gain = _affine(model, instance, y, corrected=False)
+    base, gain = _affine(model, warm, y, corrected=False)
     wanted = (base + gain * w).astype(np.float32)
     w_back = backward.inverse(y, wanted)
     exact_back = np.clip((wanted - base) / gain, float(instance.numbers.u_min_V), float(instance.numbers.u_max_V))
@@ -137,20 +148,33 @@ def _step_errors(model: Model, instance: Instance, run: _Run, y: Floats32, u: Fl
     return np.array([predicted, np.abs(w_back - exact_back).max(), missed])
 
 
-def _affine(model: Model, instance: Instance, y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
-    """f(y, 0) [um] and b(y) [um/V] in float64, (lanes,) each, with the term states of `instance`."""
+def _correction(model: Model, samples: int, seed: int) -> float:
+    """Largest difference of the feedback's correction over `samples` residuals in a run; 0 without feedback."""
+    if model.feedback is None:
+        return 0.0
+    lanes, reach = min(LANES, max(samples // RUN, 1)), float(coefficients(model).reach_um)
+    rng, mirror, free = (
+        np.random.default_rng(seed),
+        FeedbackMirror(model.feedback, lanes, model.Ts_s),
+        np.zeros(lanes, np.uint32),
+    )
+    largest = 0.0
+    for _ in range(0, samples, lanes):
+        residual = drawn(rng, -reach, reach, lanes).astype(np.float32)
+        exact = real_correction(model.feedback, mirror, residual.astype(np.float64), model.Ts_s)
+        largest = max(largest, float(np.abs(mirror.apply(residual, free, free) - exact).max()))
+    return largest
+
+
+def _affine(model: Model, warm: tuple[Instance, Aux], y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
+    """f(y, 0) [um] and b(y) [um/V] in float64, (lanes,) each, with the term states and channels of `warm`."""
+    instance, aux = warm
     y64 = y.astype(np.float64)
     p = memberships(y64, model.grid)
     q1, q2, q3 = model.consequents.T
     base = product(p, q1) * model.grid.clamp(y64) + product(p, q3)
-    terms = copy.deepcopy(instance.terms)
-    if corrected:
-        for term in terms:
-            term.correct(y - instance.y_um)
-    phi = [regressor for term in terms for regressor in term.regressors()]
-    for theta, regressor in zip(model.weights, phi, strict=True):
-        base = base + theta * regressor
-    return base, product(p, q2)
+    innovation = model.grid.clamp(y64) - instance.y_um if corrected else None
+    return base + real_extra(model, instance.terms, innovation, aux), product(p, q2)
 
 
 def _pairs(model: Model, samples: int, seed: int, lanes: int) -> Iterator[tuple[Floats32, Floats32]]:
@@ -168,12 +192,19 @@ def _pairs(model: Model, samples: int, seed: int, lanes: int) -> Iterator[tuple[
 
 
 @functools.lru_cache(maxsize=1)
-def _warm(model: Model, lanes: int, seed: int) -> Instance:
-    """An instance whose lanes have the term states of independent random runs of WARM_UP samples."""
-    rng = np.random.default_rng(seed + 1)
+def _warm(model: Model, lanes: int, seed: int) -> tuple[Instance, Aux]:
+    """An instance whose lanes have the term states of independent random runs of WARM_UP samples; its channels."""
+    rng, aux = np.random.default_rng(seed + 1), dict[str, Floats32]()
     instance = Instance(model, np.full(lanes, np.float32(model.grid.y_min_um)), np.zeros(lanes, dtype=np.float32))
+    ranges = (model.grid.y_min_um, model.grid.y_max_um), (model.u_min_V, model.u_max_V)
     for _ in range(WARM_UP if model.terms else 0):
-        if instance.channels:
-            instance.aux([drawn(rng, 0.0, 1.0, lanes).astype(np.float32) for _ in instance.channels])
-        instance.simulate(drawn(rng, model.u_min_V, model.u_max_V, lanes).astype(np.float32))
-    return instance
+        for term in (term for term in model.terms if isinstance(term, Coupling)):
+            for name, (low, high) in term.ranges.items():
+                aux[name] = drawn(rng, 1.1 * low - 0.1 * high, 1.1 * high - 0.1 * low, lanes).astype(np.float32)
+        instance.aux([aux[name] for name in instance.channels])
+        y, u = (drawn(rng, low, high, lanes).astype(np.float32) for low, high in ranges)
+        instance.predict(y, u)
+    for mirror in (mirror for mirror in instance.terms if isinstance(mirror, PhaseMirror)):
+        for words in (mirror.phase, mirror.phase_low):
+            words[:] = [rng.integers(0, 2**32, lanes, dtype=np.uint32) for _ in words]
+    return instance, {name: values.astype(np.float64) for name, values in aux.items()}

@@ -15,20 +15,20 @@ from typing import cast
 
 import numpy as np
 
-from hysgen.float32.coefficients import OCTAVES_PER_STEP, WINDOW, Bank, Coefficients, coefficients
+from hysgen.float32.coefficients import WINDOW, Bank, Coefficients, coefficients
 from hysgen.float32.struct_words import InstanceWords
 from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.float32_arithmetic import (
     INFINITY_BITS,
     LEAST_BITS,
     MAGNITUDE_BITS,
-    ROUNDING,
     Floats32,
     Words,
     bits_of,
     float_of,
     flushed,
     inside,
+    nearest,
     power_of_two,
     reciprocal,
 )
@@ -38,7 +38,6 @@ from hysgen.model.path.chain import ChainMirror, PathLimits
 from hysgen.model.structs import Status
 
 _ONE = np.float32(1.0)
-_OCTAVES = np.float32(OCTAVES_PER_STEP)
 
 
 @dataclass(frozen=True)
@@ -87,12 +86,9 @@ def ratio(numbers: Coefficients, y_um: Floats32) -> Floats32:
 
 def window(numbers: Coefficients, y_um: Floats32) -> tuple[Words, list[Floats32]]:
     """Index n of the nearest rule, (lanes,), and v_j = w_j r^j of rows n .. n + 10 of the padded tables."""
-    steps = (y_um - numbers.origin_um) * numbers.per_step
-    shifted = steps + ROUNDING
-    t = steps - (shifted - ROUNDING)
-    nearest = bits_of(shifted) - bits_of(np.asarray(ROUNDING))
-    r = powers(power_of_two(t * _OCTAVES), WINDOW)
-    return nearest, [w * power for w, power in zip(numbers.strength, r, strict=True)]
+    rule, t = nearest((y_um - numbers.origin_um) * numbers.per_step)
+    r = powers(power_of_two(t * numbers.octaves), WINDOW)
+    return rule, [w * power for w, power in zip(numbers.strength, r, strict=True)]
 
 
 def strengths(numbers: Coefficients, y_um: Floats32) -> list[Floats32]:

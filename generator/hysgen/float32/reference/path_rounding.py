@@ -8,36 +8,46 @@ of creep and modes it is what any past of inputs leaves, part by part,
 
     |c - middle| <= (S + t) half width of x,   S = sum_k |s (1 - s)^k|,   t: what the roundings of all steps add
 
+and of modes whose pole lam moves, under inputs of d about their middles,
+
+    |c| <= max (|1 - lam| |Q| + 2 s |R|) d / (1 - max |lam|)
+
 A play is the middle of z, x - r and x + r, a limit that of x and its ends: whichever it is, its error is at most the
 largest of the three. A state of two words is their sum; the output takes the higher.
 """
 
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hysgen.float32.coefficients import coefficients
-from hysgen.float32.reference import rounding
 from hysgen.float32.reference.rounding import HALF_BIT, LIBRARY, Enclosed, Floats, Interval, Tape, largest_error
-from hysgen.model.float32_arithmetic import Floats32, flushed, power_of_two
+from hysgen.machine.reproducible import expm1
+from hysgen.model.float32_arithmetic import LEAST, RECIPROCAL_RELATIVE_ERROR, Floats32, flushed, power_of_two
 from hysgen.model.model import Model
-from hysgen.model.path.base import BlockMirror, InputBlock
+from hysgen.model.path.base import InputBlock
 from hysgen.model.path.chain import ChainMirror
+from hysgen.model.path.channels import Channels
 from hysgen.model.path.creep import Creep
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.hysteresis_mirror import LOG2_E, horner, power_coefficients, series_value
 from hysgen.model.path.limits import Saturation, Slew
+from hysgen.model.path.loop import MIDDLE, Loop
 from hysgen.model.path.modes import Modes
+from hysgen.model.path.softening import ENDS, MOST, Softening
+from hysgen.model.path.softening_mirror import SHARES
 
+Complex = NDArray[np.complex128]
 Number = Any
 """A float64 number, an array of them over lanes, or an `Enclosed`."""
 
 CELLS: Final = 256
 """Parts of the range of the input of the responses."""
+_LOOP: Final = {"box": "box_um"}
 LOST: Final = 16.0
 """Roundings of |s| (|x| + |c|) by which a step of a mode is off at most: seven, and what the lower word loses."""
 
@@ -45,8 +55,10 @@ LOST: Final = 16.0
 class Real:
     """float64 numbers over lanes, from the state of a float32 mirror."""
 
-    def __init__(self, mirror: BlockMirror) -> None:
+    def __init__(self, mirror: object, heard: Sequence[Floats] = ()) -> None:
+        """heard: the newest sample of every channel about its middle, where it is known better than the mirror's."""
         self._mirror: Any = mirror
+        self._heard = heard
 
     def constant(self, exact: float, rounded: np.float32, size: float = 0.0) -> Number:
         return exact
@@ -61,8 +73,27 @@ class Real:
         return self._mirror.last_V.astype(np.float64)
 
     def lags(self, x: Number, words: Sequence[str], steps: Floats) -> list[list[Number]]:
-        low = "low" if words == ("high",) else "{}_low"
-        return [[self._word(word, j) + self._word(low.format(word), j) for j in range(len(steps))] for word in words]
+        return [[self._words(word, j) for j in range(len(steps))] for word in words]
+
+    def modes(self, poles: Complex, drives: NDArray[Any], most: Floats) -> list[list[Number]]:
+        return [[self._words(word, m) for m in range(len(poles))] for word in ("position", "velocity")]
+
+    def stored(self, name: str, places: int, low: float, high: float) -> list[Number]:
+        return [self.word(name, place) for place in range(places)]
+
+    def heard(self, channel: int, age: int) -> Number:
+        if self._heard and age == 0:
+            return self._heard[channel]
+        return self._mirror.sample[channel][age].astype(np.float64)
+
+    def bias(self, name: str, limit: float) -> Number:
+        return self._words(name, 0)
+
+    def high(self, state: Number) -> Number:
+        return state
+
+    def moved_on(self, state: Number, delta: Number) -> Number:
+        return state + delta
 
     def limited(self, x: Number, low: Number, high: Number) -> Number:
         return np.clip(x, low, high)
@@ -71,15 +102,27 @@ class Real:
         return x
 
     def pulled(self, play: int, end: float, x: Number, r: Number) -> Number:
-        low = self._word("play_low", play) if hasattr(self._mirror, "play_low") else 0.0
-        return np.clip(self._word("play", play) + low, x - r, x + r)
+        low = self.word("play_low", play) if hasattr(self._mirror, "play_low") else 0.0
+        return np.clip(self.word("play", play) + low, x - r, x + r)
+
+    def size(self, x: Number) -> Number:
+        return np.abs(x)
+
+    def signed(self, x: Number, by: Number) -> Number:
+        return np.where(by < 0.0, -x, x)
+
+    def bent(self, w: Number, above: Number, below: Number) -> Number:
+        return np.where(w > 0.0, above, below) * w
+
+    def saturated(self, env: Number) -> Number:
+        return env / (1.0 + env)
 
     def moved(self, x: Number, states: int) -> tuple[Number, list[Number]]:
         last, turn = (word.astype(np.float64) for word in (self._mirror.last, self._mirror.turn))
         falls = np.where(x == last, last < turn, x < last)
         turned = falls ^ (last < turn)
         self._side = np.where(falls, -1.0, 1.0)
-        lefts = [np.where(turned, self._word("back", i), self._word("left", i)) for i in range(states)]
+        lefts = [np.where(turned, self.word("back", i), self.word("left", i)) for i in range(states)]
         return np.abs(x - np.where(turned, last, turn)), lefts
 
     def decayed(self, way: Number, rate: Number) -> Number:
@@ -91,19 +134,25 @@ class Real:
     def sided(self, h: Number, duhem: Number) -> Number:
         return h + self._side * duhem
 
-    def _word(self, name: str, place: int) -> Floats:
-        return np.asarray(getattr(self._mirror, name)[place], dtype=np.float64)
+    def word(self, name: str, place: int) -> Floats:
+        word = getattr(self._mirror, name)
+        return np.asarray(word[place] if isinstance(word, list) or word.ndim > 1 else word, dtype=np.float64)
+
+    def _words(self, name: str, place: int) -> Floats:
+        low = "low" if name == "high" else f"{name}_low"
+        return self.word(name, place) + (self.word(low, place) if hasattr(self._mirror, low) else 0.0)
 
 
 class Bounded:
     """Numbers with their errors on a tape, over all inputs and states; span: that of the input of a delay or slew."""
 
-    def __init__(self, tape: Tape, block: InputBlock, span: Interval) -> None:
-        self._span, self.constant = span, tape.constant
-        self._tape, self._relaxes = tape, isinstance(block, Hysteresis) and block.relaxes
+    def __init__(self, tape: Tape, part: object, span: Interval) -> None:
+        self._span, self.constant, self._part = span, tape.constant, part
+        self._moves: dict[int, float] = {}
+        self._tape, self._relaxes = tape, isinstance(part, Hysteresis) and part.relaxes
 
     def exact(self, value: float) -> Number:
-        return self._tape.number(_every(value, value))
+        return self._tape.number(every(value, value))
 
     def past(self, samples: int, x: Enclosed) -> Number:
         return self.last() if samples else x
@@ -116,30 +165,113 @@ class Bounded:
         low, high = float(x.value.low.min()), float(x.value.high.max())
         states: list[list[Number]] = [[] for _ in words]
         for step in steps.astype(np.complex128).tolist():
-            reach, fading = 0.5 * (high - low) * _reach(step), 1.0 - abs(1.0 - step)
+            reach = 0.5 * (high - low) * _reach(step, step)
             most = max(abs(low), abs(high)) + float(reach.sum())
-            off = ((LOST * HALF_BIT * abs(step) + 2.0**-44) * most + 2.0**-58) / fading if fading > 0.0 else np.inf
-            off = 2.0 * off if off < most else np.inf
-            for of_word, middle, around in zip(states, (0.5 * (low + high), 0.0), reach.tolist(), strict=False):
-                of_word.append(self._two_words(_every(middle - around - off, middle + around + off)))
+            ends = self._ends(abs(step), reach, most, 1.0 - abs(1.0 - step))
+            for of_word, middle, end in zip(states, (0.5 * (low + high), 0.0), ends, strict=False):
+                of_word.append(self.high(self._state(every(middle - end, middle + end), abs(step) * most)))
         return states
+
+    def modes(self, poles: Complex, drives: NDArray[Any], most: Floats) -> list[list[Number]]:
+        """States of c <- lam c + sum_j drives_j v_j, |v_j| <= most_j, by word: as `lags`.
+
+        poles: (m,), or (m, 2) between which lam moves; drives: (m, j), or (m, j, 2).
+        """
+        states: list[list[Number]] = [[], []]
+        for lam, given in zip(poles, drives, strict=True):
+            if np.ndim(lam):
+                fading = 1.0 - float(np.abs(lam).max())
+                sizes = (np.abs(given) * most[:, None]).sum(axis=0)
+                reach = np.full(2, float(sizes.max()) / fading if fading > 0.0 else np.inf)
+            else:
+                fading = 1.0 - abs(complex(lam))
+                reach = sum(end * _reach(1.0 - complex(lam), complex(d)) for d, end in zip(given, most, strict=True))
+            size = float(np.abs(1.0 - np.array(lam)).max())
+            pushed = float((np.abs(given).reshape(len(most), -1).max(axis=1) * most).sum())
+            whole = float(reach.sum()) + (1.0 + len(most)) * pushed / size
+            for of_word, end in zip(states, self._ends(size, reach, whole, fading), strict=True):
+                of_word.append(self._state(every(-end, end), size * whole))
+        return states
+
+    def _state(self, value: Interval, moves: float) -> Enclosed:
+        """A sum of two words that moves by at most `moves` in a step."""
+        state = self._tape.number(value)
+        self._moves[state.place] = 1.01 * moves
+        return state
+
+    def _ends(self, size: float, reach: Floats, most: float, fading: float) -> list[float]:
+        """Reach of the words of a state that moves by steps of up to `size` times `most`, roundings included."""
+        off = ((LOST * HALF_BIT * size + 2.0**-44) * most + 2.0**-58) / fading if fading > 0.0 else np.inf
+        return [end + (2.0 * off if off < most else np.inf) for end in reach.tolist()]
+
+    def stored(self, name: str, places: int, low: float, high: float) -> list[Number]:
+        return [self._tape.number(every(low, high)) for _ in range(places)]
+
+    def bias(self, name: str, limit: float) -> Number:
+        """A state that is limited, to which its lower word is added."""
+        return self._tape.number(every(*(end * (1.0 + 4.0 * HALF_BIT) for end in (-limit, limit))))
+
+    def rounded(self, value: Interval, rounding: float) -> Number:
+        return self._tape.number(value, rounding=rounding)
+
+    def heard(self, channel: int, age: int) -> Number:
+        """A sample about its middle: `aux` limits it to the float32 numbers of its range, and subtracts."""
+        assert isinstance(self._part, Channels)
+        ends, middle = (self._part.low[channel], self._part.high[channel]), self._part.middle[channel]
+        apart = max(abs(float(np.float32(end)) - end) for end in ends) + float(LEAST)
+        away = Interval.over(*(np.full(1, end - middle) for end in ends))
+        return self._tape.number(away, rounding=apart + 2.0 * HALF_BIT * away.size)
+
+    def high(self, state: Enclosed) -> Number:
+        """The higher word of a state: `accumulate` leaves half a bit of the sum and of the step in the lower one."""
+        size = state.value.size
+        lost = HALF_BIT * (size + np.minimum(2.0 * size, self._moves.get(state.place, np.inf)))
+        return state.then("high", state.value, [(state, 1)], 1.01 * lost)
+
+    def moved_on(self, state: Enclosed, delta: Enclosed) -> Number:
+        """Both words of a state behind `accumulate`, which rounds the step twice, and the lower word once."""
+        rounding = 4.0 * HALF_BIT * (delta.value.size + HALF_BIT * state.value.size) + 2.0**-59
+        moved = state.then("moved on", state.value + delta.value, [(state, 1), (delta, 1)], rounding)
+        self._moves[moved.place] = 2.0 * float(delta.value.size.max()) + float(HALF_BIT * state.value.size.max())
+        return moved
 
     def limited(self, x: Enclosed, low: Enclosed, high: Enclosed) -> Number:
         value = Interval(*(np.clip(end, low.value.low, high.value.high) for end in (x.value.low, x.value.high)))
         of_ends = np.maximum(largest_error(low), largest_error(high))
-        return x.then("limited", value, [(x, _every(0.0, 1.0)), (low, _every(0.0, 0.0))], of_ends)
+        return x.then("limited", value, [(x, every(0.0, 1.0)), (low, every(0.0, 0.0))], of_ends)
 
     def flushed(self, x: Enclosed) -> Number:
         return flushed(x)  # type: ignore[arg-type]
 
     def pulled(self, play: int, end: float, x: Enclosed, r: Enclosed) -> Number:
         value = Interval(np.maximum((x.value + -r.value).low, -end), np.minimum((x.value + r.value).high, end))
-        z = [(self._two_words(_every(-end, end)), _every(0.0, 1.0))] if self._relaxes else []
-        return x.then("play", value, [*z, (x, _every(0.0, 1.0)), (r, _every(-1.0, 1.0))])
+        z = [(self.high(self._tape.number(every(-end, end))), every(0.0, 1.0))] if self._relaxes else []
+        return x.then("play", value, [*z, (x, every(0.0, 1.0)), (r, every(-1.0, 1.0))])
+
+    def size(self, x: Enclosed) -> Number:
+        return x.then("||", Interval(np.zeros(1), x.value.size), [(x, every(-1.0, 1.0))], 0.0)
+
+    def signed(self, x: Enclosed, by: Enclosed) -> Number:
+        """x or -x, of a function that is 0 where `by` changes its sign."""
+        return x.then("signed", Interval(-x.value.size, x.value.size), [(x, every(-1.0, 1.0))], 0.0)
+
+    def bent(self, w: Enclosed, above: Enclosed, below: Enclosed) -> Number:
+        """above w for w > 0, below w otherwise: its slope is one of both."""
+        slope = Interval.over(above.value.low, above.value.high, below.value.low, below.value.high)
+        off = np.maximum(largest_error(above), largest_error(below)) * w.value.size
+        value = slope * Interval.over(w.value.low, w.value.high, 0.0)
+        return w.then("bent", value, [(w, slope)], off + 2.0 * HALF_BIT * value.size)
+
+    def saturated(self, env: Enclosed) -> Number:
+        """env/(1 + env), which rises: the rounding of the sum, of 1/x and of the product."""
+        least, most = (end / (1.0 + end) for end in (env.value.low, env.value.high))
+        slope = Interval.over(1.0 / (1.0 + env.value.low) ** 2, 1.0 / (1.0 + env.value.high) ** 2, apart=LIBRARY)
+        rounding = (3.0 * HALF_BIT + RECIPROCAL_RELATIVE_ERROR) * most
+        return env.then("saturated", Interval.over(least, most, apart=LIBRARY), [(env, slope)], rounding)
 
     def moved(self, x: Enclosed, states: int) -> tuple[Number, list[Number]]:
-        way = x.then("way", Interval(np.zeros(1), 1.0 + x.value.size), [(x, _every(-1.0, 1.0))])
-        return way, [self._tape.number(_every(0.0, 2.0)) for _ in range(states)]
+        way = x.then("way", Interval(np.zeros(1), 1.0 + x.value.size), [(x, every(-1.0, 1.0))])
+        return way, [self._tape.number(every(0.0, 2.0)) for _ in range(states)]
 
     def decayed(self, way: Enclosed, rate: Enclosed) -> Number:
         return self.limited(power_of_two(way * rate), self.exact(0.0), self.exact(1.0))  # type: ignore[arg-type]
@@ -147,33 +279,32 @@ class Bounded:
     def duhem(self, d: Enclosed, b: Enclosed, c: Enclosed) -> Number:
         """The rounding of x may turn the input: d then starts from the other side of the turn, and both are rounded."""
         d = d.then("turned", d.value, [(d, 1)], largest_error(d).max() + 4.0 * HALF_BIT)
-        return d * (b + c * d.then("||", Interval(np.zeros(1), d.value.size), [(d, _every(-1.0, 1.0))], 0.0))
+        return d * (b + c * self.size(d))
 
     def sided(self, h: Enclosed, duhem: Enclosed) -> Number:
         both = Interval(-duhem.value.size, duhem.value.size)
-        return h.then("sided", h.value + both, [(h, 1), (duhem, _every(-1.0, 1.0))])
-
-    def _two_words(self, value: Interval) -> Enclosed:
-        return self._tape.number(value, rounding=2.0 * HALF_BIT * value.size)
+        return h.then("sided", h.value + both, [(h, 1), (duhem, every(-1.0, 1.0))])
 
 
 Numbers = Real | Bounded
 """The numbers of a step of one block."""
 
 
-def _every(low: float, high: float) -> Interval:
+def every(low: float, high: float) -> Interval:
     return Interval(np.full(1, low), np.full(1, high))
 
 
 @functools.lru_cache(maxsize=256)
-def _reach(step: complex) -> Floats:
-    """(2,) bounds of the sums of |Re s (1 - s)^k| and of |Im s (1 - s)^k|."""
+def _reach(step: complex, drive: complex) -> Floats:
+    """(2,) bounds of the sums of |Re d (1 - s)^k| and of |Im d (1 - s)^k|."""
     pole = 1.0 - step
-    if step.imag == 0.0 or abs(pole) >= 1.0:
+    if drive == step and (step.imag == 0.0 or abs(pole) >= 1.0):
         return np.array([1.0, 0.0]) if abs(pole) < 1.0 else np.full(2, np.inf)
+    if abs(pole) >= 1.0:
+        return np.full(2, np.inf)
     samples = min(int(-12.0 / np.log(abs(pole))) + 2, 1_000_000)
-    impulse = step * pole ** np.arange(samples)
-    rest = 1.01 * abs(step) * abs(pole) ** samples / (1.0 - abs(pole))
+    impulse = drive * pole ** np.arange(samples)
+    rest = 1.01 * abs(drive) * abs(pole) ** samples / (1.0 - abs(pole))
     return np.asarray((1.0 + LIBRARY * samples) * np.abs([impulse.real, impulse.imag]).sum(axis=1) + rest)
 
 
@@ -222,7 +353,7 @@ def _(block: Hysteresis, v: Number, n: Numbers, Ts_s: float) -> Number:
         z = n.pulled(j, (1.0 + 2.0**-20) * block.ends[j], x, n.constant(series.half_width[j], number.play[j, 0]))
         pairs = zip(powers[j, 1:], number.play[j, 1:], strict=True)
         sums.append(z * horner(z, [n.constant(*pair, size) for pair in pairs]))
-    h: Number = curved + _sum(sums) if sums else curved
+    h: Number = curved + summed(sums) if sums else curved
     if not block.states:
         return h
     way, lefts = n.moved(x, block.states)
@@ -230,7 +361,7 @@ def _(block: Hysteresis, v: Number, n: Numbers, Ts_s: float) -> Number:
     for start, exact, rounded in zip(lefts, series.duhem, number.duhem, strict=True):
         parts.append(n.duhem(unit - start * e, *(n.constant(float(exact[k]), rounded[k]) for k in range(2))))
         e = e * e
-    return n.sided(h, _sum(parts))
+    return n.sided(h, summed(parts))
 
 
 @functools.lru_cache(maxsize=4)
@@ -242,7 +373,7 @@ def _series_powers(block: Hysteresis) -> tuple[Floats, Floats]:
 def _(block: Creep, x: Number, n: Numbers, Ts_s: float) -> Number:
     constants = block.constants(Ts_s)
     (states,) = n.lags(x, ("high",), constants["rate"].astype(np.float64))
-    return x + n.constant(block.amount, constants["amount"][0]) * _sum(states)
+    return x + n.constant(block.amount, constants["amount"][0]) * summed(states)
 
 
 @functools.lru_cache(maxsize=4)
@@ -258,10 +389,106 @@ def _(block: Modes, x: Number, n: Numbers, Ts_s: float) -> Number:
     factors = [[n.constant(*pair, size) for pair in zip(*both, strict=True)] for both in named]
     states = n.lags(x, ("position", "velocity"), constants["real"] + 1j * constants["imag"])
     parts = [a * position + b * velocity for a, b, position, velocity in zip(*factors, *states, strict=True)]
-    return n.constant(direct, constants["direct"][0], size) * x + _sum(parts)
+    return n.constant(direct, constants["direct"][0], size) * x + summed(parts)
 
 
-def _sum(parts: Sequence[Number]) -> Number:
+@output.register
+def _(block: Loop, x: Number, n: Numbers, Ts_s: float) -> Number:
+    constants = block.constants(Ts_s)
+    step, rate = complex(block.mode.steps(Ts_s / block.parts)[0]), -expm1(-Ts_s / block.lag_s)
+    keep, rises, per_rate = (
+        n.constant(*pair) for pair in zip((1.0 - rate, rate, 1.0 / rate), constants["lag"], strict=True)
+    )
+    real, imag = (n.constant(*pair) for pair in zip((step.real, step.imag), constants["mode"], strict=True))
+    names = ("force", "quadrature", "loading", "unloading", "box")
+    columns = [zip(getattr(block, _LOOP.get(name, name)), constants[name], strict=True) for name in names]
+    shapes = list(zip(*([n.constant(*pair) for pair in column] for column in columns), strict=True))
+    forces = np.array(block.force) + 1j * np.array(block.quadrature)
+    (position,), (velocity,) = n.modes(np.array([1.0 - step]), forces[None], np.array(block.box_um))
+    h = [n.stored("h", r + 1, -end, end)[r] for r, end in enumerate(block.box_um)]
+    ends = (x.value.low.min(), x.value.high.max()) if isinstance(x, Enclosed) else (0.0, 0.0)
+    past = n.stored("y", 3, *(1.000001 * end for end in ends))
+    before = n.high(position)
+    y, zeta = n.flushed(keep * past[0] + rises * x), past[0] + before
+    for part in range(block.parts):
+        at, speed = n.high(position), n.high(velocity)
+        pushes = [
+            [factor * state for factor, state in zip(column, h, strict=True)]
+            for column in list(zip(*shapes, strict=True))[:2]
+        ]
+        forward = summed([n.exact(0.0) - (real * at + imag * speed), *pushes[0]])
+        turn = summed([imag * at - real * speed, *pushes[1]])
+        position, velocity = n.moved_on(position, forward), n.moved_on(velocity, turn)
+        if part + 1 < block.parts:
+            first, second, third, fourth = (n.exact(weight) for weight in MIDDLE)
+            middle = (first * y + second * past[0]) + (third * past[1] + fourth * past[2])
+            d = n.flushed((middle + n.high(position)) - zeta)
+            h = [_followed(n, d, state, *shape[2:]) for shape, state in zip(shapes, h, strict=True)]
+    return x + (n.high(position) - keep * before) * per_rate
+
+
+def _followed(n: Numbers, d: Number, h: Number, loading: Number, unloading: Number, box: Number) -> Number:
+    """A hysteretic state in the loop of a mode behind a displacement by d."""
+    unit, size, w = n.exact(1.0), n.size(d), n.signed(h, d)
+    first = unit - n.bent(w, loading, unloading)
+    second = unit - n.bent(w + size * first, loading, unloading)
+    to = n.limited(w + (n.exact(0.5) * size) * (first + second), n.exact(0.0) - box, box)
+    return n.signed(n.flushed(to), d)
+
+
+@output.register
+def _(block: Softening, x: Number, n: Numbers, Ts_s: float) -> Number:
+    constants, numbers, drives = block.constants(Ts_s), block.numbers(Ts_s), 1 + len(block.channels)
+    rate, modes = -expm1(-Ts_s / block.lag_s), len(block.f_Hz)
+    keep, per_rate = (n.constant(*pair) for pair in zip((1.0 - rate, 1.0 / rate), constants["lag"], strict=True))
+    rise, level = (
+        n.constant(block.rate(Ts_s), constants["of_amplitude"][0]),
+        n.constant(block.level_um, constants["level"][0]),
+    )
+    rounded = [constants[name].reshape(shape) for name, shape in (("fall", (2, modes)), ("seen", (2, modes)))]
+    poles = [
+        [n.constant(*pair, 1.0) for pair in zip(*both, strict=True)]
+        for both in ((1.0 - numbers[:, 0], constants["real"]), (-numbers[:, 1], constants["imag"]))
+    ]
+    falls, seen = (
+        [[n.constant(*pair) for pair in zip(numbers[:, at + i], of[i], strict=True)] for i in range(2)]
+        for at, of in ((2, rounded[0]), (4, rounded[1]))
+    )
+    shares = [
+        [
+            [
+                n.constant(*pair)
+                for pair in zip(numbers[m, at : at + drives], constants[name].reshape(modes, -1)[m], strict=True)
+            ]
+            for m in range(modes)
+        ]
+        for at, name in zip(range(6, 6 + 4 * drives, drives), SHARES, strict=True)
+    ]
+    own = n.flushed(x - level)
+    v = [own, *(n.heard(channel, 0) for channel in range(drives - 1))]
+    most = np.array([float(value.value.size.max()) if isinstance(value, Enclosed) else 0.0 for value in v])
+    ends = np.array([block.poles(Ts_s, s) for s in ENDS]).T
+    Q, R = (numbers[:, at : at + drives] + 1j * numbers[:, at + drives : at + 2 * drives] for at in (6, 6 + 2 * drives))
+    pushed = np.abs(1.0 - ends)[:, None, :] * np.abs(Q)[:, :, None] + 2.0 * ENDS[1] * np.abs(R)[:, :, None]
+    positions, velocities = n.modes(ends, pushed, most)
+    last = [n.stored("last", j + 1, -end, end)[j] for j, end in enumerate(most.tolist())]
+    (env,) = n.stored("env", 1, 0.0, MOST)
+    at, speed = [n.high(position) for position in positions], [n.high(velocity) for velocity in velocities]
+    zeta = summed([a * x - b * y for a, b, x, y in zip(*seen, at, speed, strict=True)])
+    env = n.flushed(n.limited(env + rise * (n.size(zeta) - env), n.exact(0.0), n.exact(MOST)))
+    s = n.flushed(n.saturated(env))
+    ways = [n.flushed(now - before) for now, before in zip(v, last, strict=True)]
+    moved = []
+    for m, position in enumerate(positions):
+        real, imag = (poles[part][m] - s * falls[part][m] for part in range(2))
+        of = [summed([weight * value for weight, value in zip(shares[part][m], v, strict=True)]) for part in range(2)]
+        swing = summed([weight * way for weight, way in zip(shares[2][m], ways, strict=True)])
+        forward = (real * (of[0] - at[m]) - imag * (of[1] - speed[m])) + s * swing
+        moved.append(n.high(n.moved_on(position, forward)))
+    return level + (summed(moved) - keep * summed(at)) * per_rate
+
+
+def summed(parts: Sequence[Number]) -> Number:
     return functools.reduce(lambda total, part: total + part, parts)
 
 
@@ -288,7 +515,7 @@ def w_error(model: Model) -> float:
         return np.inf
     numbers, tape, off = coefficients(model), Tape(), 0.0
     x: Number = None
-    span = _every(float(numbers.u_min_V), float(numbers.u_max_V))
+    span = every(float(numbers.u_min_V), float(numbers.u_max_V))
     for block in model.blocks:
         if block.responds and x is None:
             # The input of the responses is divided; a delay ends a rounding beyond its own input.
@@ -306,36 +533,3 @@ def w_error(model: Model) -> float:
         limited = Bounded(tape, block, span).limited(x, *(tape.constant(*end) for end in ends_w))
         off = float(largest_error(limited).max())
     return off if np.isfinite(off) else np.inf
-
-
-@dataclass(frozen=True)
-class ProvedErrors:
-    """Proved bounds of one step from any state.
-
-    predict_um: of y(k+1) for every y and u in their ranges. path: part of w in it, in its unit. inverse_V: of the
-    inverse's u(k) without responses of the stage. inverse_um: with them, of y(k+1) in real arithmetic against its
-    reference, unless a limit acts, has led a mode astray, or the C says that the path is missed; behind a delay of
-    a fraction, for the voltage that it wants at the stage.
-    """
-
-    predict_um: float
-    path: float
-    inverse_V: float | None
-    inverse_um: float | None
-
-
-def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
-    """The bounds of `model`; None for a windowed layout, where disturbances are added, and of a path without a bound.
-
-    The box of the inverse reaches beyond the range of w, where its limits act.
-    """
-    numbers, path = coefficients(model), w_error(model)
-    if numbers.windowed or model.terms or path == np.inf:
-        return None
-    bounds = [np.inf, np.inf]
-    if inverse and all(block.solves(model.Ts_s) for block in model.blocks):
-        # The C compares the w that its path reaches with the one it wants.
-        missed = path + 1.001 * float(numbers.w_tolerance) if model.responds else None
-        bounds[int(model.responds)] = rounding.worst(model, 0.0, inverse=True, missed=missed)
-    finite = (bound if np.isfinite(bound) else None for bound in bounds)
-    return ProvedErrors(rounding.worst(model, path), path, *finite)

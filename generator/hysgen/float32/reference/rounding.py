@@ -6,8 +6,19 @@ difference that is known. By the mean value theorem, along the straight way from
 
     |y_float32 - y_real|  <=  | sum_c A_c d_c |  +  sum_i |A_i| e_i,        A = dy/dx, by reverse differentiation,
 
-with every A an interval over all numbers on that way. Numbers that numerator and denominator share keep their signs,
-which makes the bound tight. The box is divided into cells, and the worst of them counts; float64 rounds outwards.
+with every A an interval over all numbers on that way. A quotient of sums n/d takes A of n - (n/d) d, in which numbers
+that both share keep their signs, as n/d is a mean of the rules whose interval is known well:
+
+    n_f/d_f - n/d = (e_n - (n/d) e_d) / d_f,   p_l = 1/sum_k exp((k - l) s - (k^2 - l^2)/2),   s: y in steps
+
+The box is divided into cells, and the worst of them counts; float64 rounds outwards.
+
+Above 12 rules a cell has one nearest rule n, and y reaches beyond the half way to the next by what may round it there.
+Real arithmetic sums all rules, float32 those of the window; with p_l of all,
+
+    y - y_window = sum_(l outside) p_l (q_l1 y + q_l2 w + q_l3 - y_window)
+
+and the inverse is as if it were asked for as much more.
 
 2^x and 1/x enter with the relative errors that tests/float32/test_arithmetic.py holds them to, for every float32.
 Source of the method: Solovyev et al., Rigorous estimation of floating-point round-off errors with symbolic Taylor
@@ -18,14 +29,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.float32.coefficients import Bank, coefficients
+from hysgen.float32.coefficients import WINDOW_REACH, Bank, Coefficients, coefficients
 from hysgen.float32.reference import instance
 from hysgen.machine.reproducible import exp
 from hysgen.model import float32_arithmetic as arithmetic
@@ -35,13 +46,17 @@ Floats = NDArray[np.float64]
 
 CELLS: Final = (128, 4)
 """Parts of the range of y and of w, first."""
-ENOUGH: Final = 1.1
+ENOUGH: Final = 1.04
 """Cells are divided while their bound is larger than that of the worst point of the first cells by this factor."""
-DIVISIONS: Final = 6
+DIVISIONS: Final = 4
 """Rounds of division of y in four parts; the bound of what is left then counts as it is."""
 HALF_BIT: Final = 2.0**-24
 UNDERFLOW: Final = 2.0**-126
 """Error of a result that is too small to be normal, zeroed or not."""
+OF_RULE: Final = 8
+ROUNDED_STEPS: Final = 1e-4
+"""Of more than 12 rules: first parts of y nearest to one, and by how many steps float32 misses the half way."""
+LARGEST_EXPONENT: Final = 300.0
 BEYOND: Final = 0.01
 """Part of the range of w by which the box of the inverse reaches further: where its limits begin to act."""
 LIBRARY: Final = 2.0**-45
@@ -85,8 +100,12 @@ class Interval:
 
 @dataclass
 class Tape:
-    """The numbers of one evaluation, in order. An operation that was done before has the same bits: one error."""
+    """The numbers of one evaluation, in order. An operation that was done before has the same bits: one error.
 
+    rule: the one that is nearest in each cell.
+    """
+
+    rule: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     numbers: list[Enclosed] = field(default_factory=list)
     done: dict[tuple[str, tuple[int, ...]], Enclosed] = field(default_factory=dict)
 
@@ -102,12 +121,13 @@ class Tape:
         self.numbers.append(Enclosed(self, len(self.numbers), value, operands, rounding, known))
         return self.numbers[-1]
 
-    def constant(self, exact: float, rounded: np.float32, size: float = 0.0) -> Enclosed:
-        """A number of the model, computed from others of magnitude `size`, and its float32."""
-        apart = LIBRARY * max(abs(exact), size)
-        ends = Interval.over(np.full(1, exact - apart), np.full(1, exact + apart))
-        both = Interval.over(ends.low, ends.high, float(rounded))
-        return self.number(both, known=Interval.over(float(rounded) - ends.low, float(rounded) - ends.high))
+    def constant(self, exact: Floats | float, rounded: Any, size: float = 0.0) -> Enclosed:
+        """A number of the model, or one of each cell, computed from others of magnitude `size`, and its float32."""
+        numbers, singles = np.atleast_1d(exact), np.atleast_1d(rounded).astype(np.float64)
+        apart = LIBRARY * np.maximum(np.abs(numbers), size)
+        ends = Interval.over(numbers - apart, numbers + apart)
+        both = Interval.over(ends.low, ends.high, singles)
+        return self.number(both, known=Interval.over(singles - ends.low, singles - ends.high))
 
 
 @dataclass(frozen=True)
@@ -132,9 +152,14 @@ class Enclosed:
         key = kind, tuple(place for place, _ in pairs)
         if key not in self.tape.done:
             if rounding is None:
-                rounding = np.ldexp(HALF_BIT, np.frexp(exact.size)[1] - 1) + UNDERFLOW
+                rounding = _half_bit(exact.size)
             self.tape.done[key] = self.tape.number(exact, pairs, rounding)
         return self.tape.done[key]
+
+    def __array_function__(self, function: Any, types: Any, arguments: Any, named: Any) -> Enclosed:
+        """What `powers` asks of NumPy: the number 1 like another."""
+        assert function is np.full_like
+        return self.tape.constant(float(arguments[1]), arguments[1])
 
     def __add__(self, other: Enclosed) -> Enclosed:
         return self.then("+", self.value + other.value, [(self, 1), (other, 1)])
@@ -170,48 +195,109 @@ def _flushed(x: Enclosed) -> Enclosed:
     return x.then("flushed", x.value, [(x, 1)], float(arithmetic.LEAST))
 
 
-for _name, _of_intervals in (("power_of_two", _power), ("reciprocal", _reciprocal), ("flushed", _flushed)):
+def _nearest(steps: Enclosed) -> tuple[NDArray[np.int64], Enclosed]:
+    """The rule of each cell; the distance from it is exact."""
+    away = -steps.tape.rule.astype(np.float64)
+    return steps.tape.rule, steps.then("nearest", steps.value + Interval(away, away), [(steps, 1)], 0.0)
+
+
+for _name, _of_intervals in (
+    ("power_of_two", _power),
+    ("reciprocal", _reciprocal),
+    ("flushed", _flushed),
+    ("nearest", _nearest),
+):
     getattr(arithmetic, _name).register(Enclosed, _of_intervals)
+
+
+@dataclass(frozen=True)
+class _Table:
+    """A table of the rules, (rules,) exact and rounded: a constant for each cell."""
+
+    tape: Tape
+    exact: Floats
+    rounded: Any
+
+    def __getitem__(self, places: NDArray[np.int64]) -> Enclosed:
+        return self.tape.constant(self.exact[places], self.rounded[places])
 
 
 def largest_error(result: Enclosed) -> Floats:
     """Bound of |float32 - real| of a result in every cell."""
-    numbers = result.tape.numbers[: result.place + 1]
-    zero = np.zeros_like(result.value.low)
-    slopes = [Interval(zero, zero)] * result.place + [Interval(zero + 1.0, zero + 1.0)]
+    unit = np.ones_like(result.value.low)
+    return _propagated(result.tape, {result.place: Interval(unit, unit)})
+
+
+def quotient_error(product: Enclosed, ratio: Interval) -> Floats:
+    """`largest_error` of a product n (1/d), where n/d lies in `ratio` in real arithmetic."""
+    numbers = product.tape.numbers
+    (numerator, _), (inverse, _) = product.operands
+    divisor = numbers[numbers[inverse].operands[0][0]]
+    unit = np.ones_like(divisor.value.low)
+    of_sums = _propagated(product.tape, {numerator: Interval(unit, unit), divisor.place: -ratio})
+    least = np.where(divisor.value.low * divisor.value.high > 0.0, np.abs([divisor.value.low, divisor.value.high]), 0.0)
+    off = of_sums / least.min(axis=0)
+    off = off + arithmetic.RECIPROCAL_RELATIVE_ERROR * (ratio.size + off)
+    return _counted(off + _half_bit(ratio.size + off))
+
+
+def _propagated(tape: Tape, slopes_of: Mapping[int, Interval]) -> Floats:
+    """Bound of the error of a sum of numbers by their places, each with its factor."""
+    last = max(slopes_of)
+    zero = np.zeros_like(slopes_of[last].low)
+    slopes = [slopes_of.get(place, Interval(zero, zero)) for place in range(last + 1)]
     known, rounding = Interval(zero, zero), zero
-    for number, slope in zip(reversed(numbers), reversed(slopes), strict=True):
+    for number in reversed(tape.numbers[: last + 1]):
         slope = slopes[number.place]
         rounding = rounding + slope.size * number.rounding
         if number.known is not None:
             known = known + slope * number.known
         for place, derivative in number.operands:
             slopes[place] = slopes[place] + slope * derivative
-    error = (known.size + rounding) * (1.0 + LIBRARY)  # covers the float64 rounding of these sums
-    return np.where(np.isfinite(error), error, np.inf)
+    return _counted(known.size + rounding)
 
 
-def worst(model: Model, path: float, *, inverse: bool = False, missed: float | None = None) -> float:
+def _counted(error: Floats) -> Floats:
+    """The bound with the float64 rounding of its own sums; infinite where there is none."""
+    return np.where(np.isfinite(error), error * (1.0 + LIBRARY), np.inf)
+
+
+def _half_bit(size: Floats) -> Floats:
+    """Largest rounding error of a result up to `size`."""
+    rounding: Floats = np.ldexp(HALF_BIT, np.frexp(size)[1] - 1) + UNDERFLOW
+    return rounding
+
+
+@dataclass(frozen=True)
+class Extra:
+    """What is added to the rules: its largest magnitude and the bound of its error, in um."""
+
+    size_um: float = 0.0
+    error_um: float = 0.0
+
+
+def worst(
+    model: Model, path: float, extra: Extra | None, *, inverse: bool = False, missed: float | None = None
+) -> float:
     """The largest bound over all cells, which are divided until intervals add little to it.
 
-    Of y(k+1) of the rules, whose w is off by `path`; inverse: of the w that is found for y(k+1), or, if the path misses
-    that w by up to `missed`, of the y(k+1) that is reached.
+    Of y(k+1), whose w is off by `path`; inverse: of the w that is found for y(k+1), or, if the path misses that w by up
+    to `missed`, of the y(k+1) that is reached. extra: of the disturbances.
     """
     numbers = coefficients(model)
     low, high = float(numbers.w_min), float(numbers.w_max)
     past = BEYOND * (high - low) if inverse else 0.0
-    y = np.linspace(float(numbers.y_min_um), float(numbers.y_max_um), CELLS[0] + 1)
-    w = np.linspace(low - past, high + past, CELLS[1] + 1)
-    ends = [part.ravel() for part in np.meshgrid(y[:-1], w[:-1]) + np.meshgrid(y[1:], w[1:])]
-    cells = np.array(ends)[[0, 2, 1, 3]]  # low and high of y, low and high of w
+    y, w = _parts(model, numbers), np.linspace(low - past, high + past, CELLS[1] + 1)
+    along = [np.repeat(end, w.size - 1) for end in y]
+    cells = np.array([*along[:2], *(np.tile(end, y[0].size) for end in (w[:-1], w[1:])), along[2]])
 
     def bound(cells: Floats) -> Floats:
         with np.errstate(all="ignore"):
-            result, gain = _step(model, Interval(*cells[:2]), Interval(*cells[2:]), path, inverse=inverse)
-            return largest_error(result) if missed is None else gain.value.size * (largest_error(result) + missed)
+            error, gain = _step(model, cells, path, extra, inverse=inverse)
+            return _counted(error if missed is None else gain.size * (error + missed))
 
-    middles = np.repeat(0.5 * (cells[::2] + cells[1::2]), 2, axis=0)
-    enough = ENOUGH * float(bound(middles).max())
+    points = [np.array([*[0.5 * (cells[0] + cells[1])] * 2, end, end, cells[4]]) for end in cells[2:4]]
+    enough = ENOUGH * float(bound(np.concatenate(points, axis=1)).max())
     worst = 0.0
     for _ in range(DIVISIONS):
         errors = bound(cells)
@@ -219,35 +305,109 @@ def worst(model: Model, path: float, *, inverse: bool = False, missed: float | N
         worst = max(worst, float(errors[~dividing].max(initial=0.0)))
         if not dividing.any():
             return worst
-        low, high, *over_w = cells[:, dividing]
+        low, high, *others = cells[:, dividing]
         ends = [low + (high - low) * k / 4 for k in range(4)] + [high]
-        cells = np.concatenate([np.array([*ends[k : k + 2], *over_w]) for k in range(4)], axis=1)
+        cells = np.concatenate([np.array([*ends[k : k + 2], *others]) for k in range(4)], axis=1)
     return max(worst, float(errors.max()))
 
 
-def _step(model: Model, y: Interval, w: Interval, path: float, *, inverse: bool) -> tuple[Enclosed, Enclosed]:
-    """y(k+1) of the reference in every cell of y and w, or the w that its inverse finds for y and y(k+1); df/dw."""
-    tape, numbers, grid = Tape(), coefficients(model), model.grid
+def _parts(model: Model, numbers: Coefficients) -> Floats:
+    """(3, parts) low and high ends of the first parts of the range of y, and the rule that is nearest to each."""
+    low, high = float(numbers.y_min_um), float(numbers.y_max_um)
+    if not numbers.windowed:
+        ends = np.linspace(low, high, CELLS[0] + 1)
+        return np.array([ends[:-1], ends[1:], np.zeros(CELLS[0])])
+    parts = []
+    for rule, centre in enumerate(model.grid.centres_um):
+        reach = (0.5 + ROUNDED_STEPS) * model.grid.step_um
+        ends = np.clip(np.linspace(centre - reach, centre + reach, OF_RULE + 1), low, high)
+        parts.append(np.array([ends[:-1], ends[1:], np.full(OF_RULE, rule)]))
+    whole = np.concatenate(parts, axis=1)
+    return whole[:, whole[0] < whole[1]]
+
+
+def _step(model: Model, cells: Floats, path: float, extra: Extra | None, *, inverse: bool) -> tuple[Floats, Interval]:
+    """Bound of y(k+1) in every cell, or of the w that the inverse finds for y and y(k+1); df/dw.
+
+    cells: (5, cells) low and high end of y and of w, and the nearest rule.
+    """
+    y, w, rule = Interval(*cells[:2]), Interval(*cells[2:4]), cells[4].astype(np.int64)
+    tape, numbers, grid = Tape(rule), coefficients(model), model.grid
     reference: Any = instance
 
     def vector(exact: Any, rounded: Any) -> Any:
+        if numbers.windowed:
+            return _Table(tape, np.pad(exact, numbers.pad), rounded)
         return [tape.constant(*pair) for pair in zip(exact, rounded, strict=True)]
 
     # The model's range ends between two float32 numbers: beyond its end, the displacement counts as the end.
     past = Interval(np.minimum(y.low - grid.y_min_um, 0.0), np.maximum(y.high - grid.y_max_um, 0.0))
     y_number, w_number = tape.number(y, known=past), tape.number(w, rounding=path)
-    weights = [exp(-0.5 * (rule - (grid.rules - 1) / 2) ** 2) for rule in range(grid.rules)]
-    q1, q2, q3 = (weights * column for column in model.consequents.T)
+    away = np.arange(numbers.strength.size) - 0.5 * (numbers.strength.size - 1)
+    weights = [exp(-0.5 * distance**2) for distance in away.tolist()]
+    folds = np.ones(grid.rules) if numbers.windowed else np.array(weights)
+    q1, q2, q3 = (folds * column for column in model.consequents.T)
     slope, offset = vector(q1, numbers.bank.slope), vector(q3, numbers.bank.offset)
     bank = Bank(slope, offset, vector(q2, numbers.bank.gain), numbers.bank.weight)
+    origin, octaves = grid.ends_um[0] if numbers.windowed else 0.5 * sum(grid.ends_um), 1.0 / np.log(2.0)
     exact: Any = {
-        "origin_um": tape.constant(0.5 * sum(grid.ends_um), numbers.origin_um),
-        "per_step": tape.constant(1.0 / (np.log(2.0) * grid.step_um), numbers.per_step),
-        "strength": vector(weights, numbers.strength),
+        "origin_um": tape.constant(origin, numbers.origin_um),
+        "per_step": tape.constant((1.0 if numbers.windowed else octaves) / grid.step_um, numbers.per_step),
+        "octaves": tape.constant(octaves, numbers.octaves),
+        "strength": [tape.constant(*pair) for pair in zip(weights, numbers.strength, strict=True)],
+        "present": vector(folds, numbers.present) if numbers.windowed else numbers.present,
     }
     sums = reference.rule_sums(dataclasses.replace(numbers, **exact), bank, y_number)
-    result: Enclosed = arithmetic.flushed(reference.next_displacement(sums, y_number, w_number))  # type: ignore[assignment]
+    within, beyond = _memberships(model, numbers, cells)
+    corners = [column[:, None] for column in model.consequents.T]
+    own = Interval.over(
+        *(corners[0] * at + corners[1] * under + corners[2] for at in cells[:2] for under in cells[2:4])
+    )
+    value, gain = _mean(within, own), _mean(within, Interval.over(corners[1]))
+    outside = np.zeros(1)
+    if numbers.windowed:
+        off = np.maximum(np.abs(own.high - value.low), np.abs(own.low - value.high))
+        outside = (1.0 + grid.rules * LIBRARY) * (beyond.high * off).sum(axis=0)
     if inverse:
-        wanted = tape.number(result.value)
-        result = arithmetic.flushed(reference.wanted_input(sums, y_number, wanted))  # type: ignore[assignment]
-    return result, sums.gain * arithmetic.reciprocal(sums.weight)
+        lost = 0.0 if extra is None else extra.error_um + 2.0 * HALF_BIT * (value.size + extra.size_um)
+        wanted = tape.number(value, rounding=lost + outside)
+        return quotient_error(reference.wanted_input(sums, y_number, wanted), w) + float(arithmetic.LEAST), gain
+    error = quotient_error(reference.next_displacement(sums, y_number, w_number), value) + outside
+    if extra is not None:
+        error = error + extra.error_um
+        error = error + _half_bit(value.size + error + extra.size_um)
+    return error + float(arithmetic.LEAST), gain
+
+
+def _memberships(model: Model, numbers: Coefficients, cells: Floats) -> tuple[Interval, Interval]:
+    """(rules, cells) p_l of the rules in float32 among themselves, and of those that it leaves out among all.
+
+    Every exponent is linear in s, so its ends are those of the cell. A share below exp(-LARGEST_EXPONENT) counts as 0.
+    """
+    rule = np.arange(model.grid.rules, dtype=np.float64)
+    ends = (cells[:2] - model.grid.ends_um[0]) / model.grid.step_um
+    apart = LIBRARY * (1.0 + np.abs(ends).max())
+    ends = np.array([ends[0] - apart, ends[1] + apart])
+    inside = np.abs(rule[:, None] - cells[4]) <= (WINDOW_REACH if numbers.windowed else np.inf)
+    sums: list[list[Floats]] = []
+    for own in rule:
+        exponents = [(rule[:, None] - own) * end - 0.5 * (rule**2 - own**2)[:, None] for end in ends]
+        powers = [np.exp(np.minimum(exponent, LARGEST_EXPONENT)) for exponent in exponents]
+        both = np.minimum(*powers), np.maximum(*powers)
+        sums.append([1.0 / (power * among).sum(axis=0) for among in (inside, 1.0) for power in both])
+    low, high = 1.0 - 2.0 * rule.size * LIBRARY, 1.0 + 2.0 * rule.size * LIBRARY
+    most, least, of_all, of_all_least = np.array(sums).transpose(1, 0, 2)
+    least = np.maximum(least - 2.0 * np.exp(-LARGEST_EXPONENT), 0.0)
+    within = Interval(low * least * inside, high * most * inside)
+    return within, Interval(low * of_all_least * ~inside, high * of_all * ~inside)
+
+
+def _mean(shares: Interval, values: Interval) -> Interval:
+    """sum_l p_l x_l in every cell, of shares that add up to 1: about the middle of those with a share."""
+    least = np.where(shares.high > 0.0, values.low, np.inf).min(axis=0)
+    most = np.where(shares.high > 0.0, values.high, -np.inf).max(axis=0)
+    middle = (shares.high * 0.5 * (values.low + values.high)).sum(axis=0) / shares.high.sum(axis=0)
+    products = shares * Interval.over(values.low - middle, values.high - middle)
+    rounded = LIBRARY * (np.abs(least) + np.abs(most))
+    low, high = middle + products.low.sum(axis=0) - rounded, middle + products.high.sum(axis=0) + rounded
+    return Interval(np.maximum(low, least - rounded), np.minimum(high, most + rounded))

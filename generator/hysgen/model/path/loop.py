@@ -73,7 +73,7 @@ class Loop(InputBlock):
     rounds: ClassVar[int] = ROUNDS
 
     def __post_init__(self) -> None:
-        self._mode  # noqa: B018  # checks frequency, damping ratio and lag
+        self.mode  # noqa: B018  # checks frequency, damping ratio and lag
         lists = (self.force, self.quadrature, self.loading, self.unloading, self.box_um)
         if {len(values) for values in lists} not in [{r} for r in range(1, MOST_STATES + 1)]:
             raise ValueError(f"each state needs one of every number, and there are 1 to {MOST_STATES} states")
@@ -83,7 +83,7 @@ class Loop(InputBlock):
             raise ValueError("box_um must be positive and parts 1 or 2")
 
     @property
-    def _mode(self) -> Modes:
+    def mode(self) -> Modes:
         return Modes((self.f_Hz,), (self.zeta,), (1.0,), self.lag_s)
 
     def describe(self) -> str:
@@ -91,7 +91,7 @@ class Loop(InputBlock):
 
     def moved(self, y: Floats, Ts_s: float) -> Floats:
         """(n, 1 + r) Re x and every h at the samples of y, (n,) the displacement without the states; from rest."""
-        step = complex(self._mode.steps(Ts_s / self.parts)[0])
+        step = complex(self.mode.steps(Ts_s / self.parts)[0])
         e, shape = np.stack([self.force, self.quadrature], 1), np.stack([self.loading, self.unloading, self.box_um], 1)
         return loop_states(y, self.parts, np.array([1.0 - step.real, step.imag]), e, shape)
 
@@ -149,7 +149,7 @@ class Loop(InputBlock):
         return LoopMirror(self, self.constants(Ts_s), u_V)
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
-        step, rate = complex(self._mode.steps(Ts_s / self.parts)[0]), -expm1(-Ts_s / self.lag_s)
+        step, rate = complex(self.mode.steps(Ts_s / self.parts)[0]), -expm1(-Ts_s / self.lag_s)
         return {
             "mode": singles(np.array([step.real, step.imag])),
             "force": singles(np.array(self.force)),

@@ -1,0 +1,50 @@
+"""The proved bounds of a step: rules (`rounding`), path (`path_rounding`), what is added (`term_rounding`)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hysgen.float32.coefficients import coefficients
+from hysgen.float32.reference import rounding
+from hysgen.float32.reference.path_rounding import w_error
+from hysgen.float32.reference.term_rounding import SLACK, correction_error, extra_error
+from hysgen.model.model import Model
+
+
+@dataclass(frozen=True)
+class ProvedErrors:
+    """Proved bounds of one step from any state.
+
+    predict_um: of y(k+1) for every y and u in their ranges. path: part of w in it, in its unit. inverse_V: of the
+    inverse's u(k) without responses of the stage. inverse_um: with them, of y(k+1) in real arithmetic against its
+    reference, unless a limit acts, has led a mode astray, or the C says that the path is missed; behind a delay of
+    a fraction, for the voltage that it wants at the stage. correct_um: of the correction of the feedback.
+    """
+
+    predict_um: float
+    path: float
+    inverse_V: float | None
+    inverse_um: float | None
+    correct_um: float | None
+
+
+def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
+    """The bounds of `model`; None of a part of your own, or where there is no bound.
+
+    The box of the inverse reaches beyond the range of w, where its limits act.
+    """
+    numbers, path = coefficients(model), w_error(model)
+    extra = extra_error(model, corrected=True)
+    predict = (
+        np.inf if path == np.inf or extra == rounding.Extra(np.inf, np.inf) else rounding.worst(model, path, extra)
+    )
+    if not predict < SLACK * max(abs(model.grid.y_min_um), abs(model.grid.y_max_um)):
+        return None
+    bounds = [np.inf, np.inf]
+    if inverse and all(block.solves(model.Ts_s) for block in model.blocks):
+        # The C compares the w that its path reaches with the one it wants.
+        missed = path + 1.001 * float(numbers.w_tolerance) if model.responds else None
+        asked = extra_error(model, corrected=False)
+        bounds[int(model.responds)] = rounding.worst(model, 0.0, asked, inverse=True, missed=missed)
+    in_V, in_um = (bound if np.isfinite(bound) else None for bound in bounds)
+    return ProvedErrors(predict, path, in_V, in_um, correction_error(model))
