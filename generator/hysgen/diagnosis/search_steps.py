@@ -26,6 +26,9 @@ LAGS = (0.3, 3.0, 30.0)
 FIRST_ROUNDS, ROUNDS = 3, 8
 """Gauss-Newton rounds for a candidate: before its score is foreseen, and in all."""
 
+PROJECTORS = 4
+"""Linear fits of the proposals of a cause that keep their projectors: about as many as are refined."""
+
 
 @dataclass(eq=False)
 class State:
@@ -229,8 +232,15 @@ def with_best_lag(part: Scene, chain: Chain) -> Chain:
 
 
 def _fitted(part: Scene, chains: Sequence[Chain]) -> list[TrainingFit]:
-    """Linear least-squares fits of the chains to the rows of the scene, sorted by rms error."""
-    return sorted((training_fit(part, chain) for chain in chains), key=lambda candidate: candidate.rms_um)
+    """Linear least-squares fits of the chains to the rows of the scene, sorted by rms error.
+
+    Only the best few keep their projectors, which are as large as their columns: the rest are rarely refined.
+    """
+    fits = list[TrainingFit]()
+    for chain in chains:
+        fits = sorted([*fits, training_fit(part, chain)], key=lambda candidate: candidate.rms_um)
+        fits[PROJECTORS:] = [dataclasses.replace(candidate, projector=None) for candidate in fits[PROJECTORS:]]
+    return fits
 
 
 def _refined_from_best_lag(part: Scene, chain: Chain) -> Fit:
