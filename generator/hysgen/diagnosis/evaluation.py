@@ -17,7 +17,7 @@ from hysgen.diagnosis.error_map import ErrorMap, error_map
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.ladder import fit_ladder, with_best_forms
 from hysgen.diagnosis.prepare import Prepared, prepare
-from hysgen.diagnosis.procedure import DiagnoseSettings, Naming, Progress, diagnose, name_causes
+from hysgen.diagnosis.procedure import DiagnoseSettings, Naming, Progress, diagnose, extended, name_causes
 from hysgen.diagnosis.remedy import Advice, Seen, Sketch
 from hysgen.display import Displayed, Summary
 from hysgen.fitting import FitSettings
@@ -30,6 +30,7 @@ __all__ = [
     "Extension",
     "Naming",
     "Prepared",
+    "extended",
     "free_run_error",
     "name_causes",
     "prepare",

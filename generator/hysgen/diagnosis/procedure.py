@@ -131,21 +131,32 @@ def diagnose(
     progress: called with the fraction done and one line of text.
     Raises RecordError or FitError with one line.
     """
+    report = progress or (lambda fraction, line: None)
+    naming = name_causes(record, holdout, settings, lambda fraction, line: report(0.7 * fraction, line))
+    return extended(naming, settings, lambda fraction, line: report(0.7 + 0.3 * fraction, line))
+
+
+@one_blas_thread()
+@several_processes(__name__)
+def extended(naming: Naming, settings: DiagnoseSettings | None = None, progress: Progress | None = None) -> Diagnosis:
+    """The diagnosis with these causes: the model that they extend, and what it leaves of the held-out rows.
+
+    Raises FitError with one line.
+    """
     chosen = settings or DiagnoseSettings()
     report = progress or (lambda fraction, line: None)
-    naming = name_causes(record, holdout, chosen, lambda fraction, line: report(0.7 * fraction, line))
     inputs = _inputs(naming.prepared)
     naming = dataclasses.replace(naming, prepared=naming.prepared.without(_unpredictable(naming)))
-    report(0.7, "choosing the forms of the extensions")
+    report(0.0, "choosing the forms of the extensions")
     best = with_best_forms(naming.prepared, naming.extensions, naming.agreed, chosen.fit)
     naming = dataclasses.replace(naming, extensions=best)
-    report(0.8, "measuring what each extension gains")
+    report(0.33, "measuring what each extension gains")
     made, alone = _worth_extending(naming, dataclasses.replace(chosen.fit, certified=True))
     made = list(naming.agreed) if chosen.keep_all else made
-    report(0.85, "fitting rules, " + ", ".join(made))
+    report(0.5, "fitting rules, " + ", ".join(made))
     fit_rung = functools.partial(_rung, naming, chosen.fit)
     rungs = in_processes(fit_rung, [made[:count] for count in range(len(made) + 1)], cost=len)
-    report(0.95, "measuring what is left of the held-out rows")
+    report(0.83, "measuring what is left of the held-out rows")
     scored = _scored(naming, alone, made, rungs, chosen)
     report(1.0, "done")
     if chosen.resume:

@@ -92,7 +92,15 @@ def test_limits_of_the_bank_are_those_that_are_stated() -> None:
 
 def test_the_table_of_the_bank_holds_every_rate() -> None:
     records = (
-        judged(1, fall=8.0, over_truth=1.5, errors={"creep.per_decade": 0.1}, confidence={"creep": 0.95}),
+        judged(
+            1,
+            over_probe=1.25,
+            gain=3.0,
+            fall=8.0,
+            over_truth=1.5,
+            errors={"creep.per_decade": 0.1},
+            confidence={"creep": 0.95},
+        ),
         judged(2, named=("drift",), relative={"creep": 4.0}, fall=10.0, over_truth=1.7),
         judged(3, category="none", planted=(), required=(), named=(), relative={}, family="thermal"),
     )
@@ -112,6 +120,9 @@ def test_the_table_of_the_bank_holds_every_rate() -> None:
         "smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):",
         "parameters, median and largest error:",
         "named with a confidence from .. on, and there:",
+        "category         exact     delivered over probe: median, largest     gain: median",
+        "  creep         1 of   2      1.25      1.25      3.00  creep 1",
+        "  none          1 of   1         -         -         -",
         "  own stage         exact   1 of   2",
         "  thermal           exact   1 of   1",
         "  creep           2.00 /     nan",

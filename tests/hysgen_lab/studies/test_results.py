@@ -114,8 +114,18 @@ def judged(seed: int, named: tuple[str, ...], relative: float, **more: Any) -> J
 
 def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: Path) -> None:
     records = (
-        judged(1, (), 2.0, family="thermal"),
-        judged(2, ("creep",), 3.0, fall=8.0, over_truth=1.5, confidence={"creep": 0.9}, ranks={"creep.share": 0.3}),
+        judged(1, (), 2.0, family="thermal", over_probe=3.0, gain=10.0),
+        judged(
+            2,
+            ("creep",),
+            3.0,
+            over_probe=1.2,
+            gain=20.0,
+            fall=8.0,
+            over_truth=1.5,
+            confidence={"creep": 0.9},
+            ranks={"creep.share": 0.3},
+        ),
         judged(4, ("creep", "drift"), 5.0, fall=6.0, confidence={"creep": 1.0, "drift": 0.95}, ranks=LAST),
         judged(9, ("drift",), 9.0, category="poor", family="tilt"),
     )
@@ -139,6 +149,12 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
         "tilt": {"records": 0, "exact_rate": None, "found_rate": None},
     }
     assert told["false_alarm_rate"] is None
+    assert told["categories"] == {
+        "creep": {"records": 3, "exact": 1, "over_probe": {"median": pytest.approx(2.1), "largest": 3.0},
+                  "largest_in": "thermal creep 1", "gain": 15.0},
+        "poor": {"records": 1, "exact": 0, "over_probe": {"median": None, "largest": None},
+                 "largest_in": None, "gain": None},
+    }  # fmt: skip
     path = tmp_path / "a" / "log"
     for record in records:
         JudgementLog(path).add(record)
@@ -146,10 +162,12 @@ def test_results_of_the_bank_are_counted_and_come_back_from_their_log(tmp_path: 
     assert len(read_log(path)) == 4
     JudgementLog(path).add(records[0])
     again = read_log(path)
-    assert [dataclasses.replace(one, fall=0.0, over_truth=0.0) for one in again[:4]] == [
-        dataclasses.replace(one, fall=0.0, over_truth=0.0) for one in records
+    known = dict.fromkeys(("fall", "over_truth", "over_probe", "gain"), 0.0)
+    assert [dataclasses.replace(one, **known) for one in again[:4]] == [
+        dataclasses.replace(one, **known) for one in records
     ]
     assert [one.fall for one in again[1:3]] == [8.0, 6.0]
+    assert [one.over_probe for one in again[:2]] == [3.0, 1.2]
     assert math.isnan(again[0].fall)
     path.write_text(path.read_text().replace('"seed": 2', '"other": 2'))
     with pytest.raises(HysgenError, match="row 3: not a judgement"):

@@ -17,7 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from hysgen.diagnosis.evaluation import Estimate, Extension, Naming, free_run_error, name_causes, prepare
+from hysgen.diagnosis.evaluation import (
+    Estimate,
+    Extension,
+    Naming,
+    extended,
+    free_run_error,
+    name_causes,
+    prepare,
+)
 from hysgen.diagnosis.probe import rms
 from hysgen.fitting import PathSize
 from hysgen_lab.stage import Preisach, Relays, effect_shares, effects
@@ -233,6 +241,7 @@ def judge(hidden: Scenario) -> Judgement:
     begun = time.perf_counter()
     naming = name_causes(record)
     seconds = time.perf_counter() - begun
+    delivered = extended(naming)
     fall, over_truth = _error_ratios(hidden, naming, measured.truth.outlier[hidden.past :])
     # An effect that the fitted rows do not contain, such as a level that only later rows exceed, cannot be found.
     shares_um = effect_shares(measured, hidden.past + naming.prepared.scene().rows)
@@ -256,6 +265,8 @@ def judge(hidden: Scenario) -> Judgement:
         family=hidden.family,
         allowed=hidden.allowed,
         confidence=naming.confidence,
+        over_probe=delivered.remaining.rms_um / delivered.remaining.probe_rms_um,
+        gain=delivered.base_own_um / delivered.remaining.rms_um,
     )
 
 

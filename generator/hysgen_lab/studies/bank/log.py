@@ -22,6 +22,9 @@ from hysgen_lab.studies.bank.result import Judgement
 
 FORM = 1
 
+RATIOS = ("fall", "over_truth", "over_probe", "gain")
+"""Values of a judgement that may be nan, null in the file."""
+
 
 def sources_digest() -> str:
     """SHA-256 over the names and texts of the Python and C files of product and laboratory."""
@@ -95,7 +98,7 @@ def _judgement(values: dict[str, Any]) -> Judgement:
     if set(values) != names:
         raise KeyError(str(sorted(names ^ set(values))))
     lists = {key: tuple(values[key]) for key in ("planted", "required", "named", "allowed")}
-    ratios = {key: math.nan if values[key] is None else float(values[key]) for key in ("fall", "over_truth")}
+    ratios = {key: math.nan if values[key] is None else float(values[key]) for key in RATIOS}
     return Judgement(**(values | lists | ratios))
 
 

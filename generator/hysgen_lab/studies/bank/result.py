@@ -26,7 +26,8 @@ class Judgement:
     over_truth: error of the extended model over that of the same family fitted with the truth known, where every
     planted cause is extended. Either is nan elsewhere. family: of the hysteresis, "" for the bank's own stage.
     allowed: causes that may be named although they were not planted (`Scenario.allowed`). confidence: of each named
-    cause that has one. ranks: of each parameter (`Compared`).
+    cause that has one. ranks: of each parameter (`Compared`). over_probe: the delivered model's own error over that of
+    the probe on the same held-out rows; gain: that of the paper's model over that of the delivered one.
     """
 
     category: str
@@ -46,6 +47,8 @@ class Judgement:
     allowed: tuple[str, ...] = ()
     confidence: dict[str, float] = field(default_factory=dict)
     ranks: dict[str, float] = field(default_factory=dict)
+    over_probe: float = math.nan
+    gain: float = math.nan
 
     @property
     def name(self) -> str:
@@ -194,6 +197,21 @@ class BankResult:
         """The ratios `over_truth` of all records that have one, rising."""
         return sorted(judgement.over_truth for judgement in self.judged() if math.isfinite(judgement.over_truth))
 
+    def of_categories(self) -> dict[str, dict[str, Any]]:
+        """By category: records, exact sets, delivered over probe (median, largest and its record), median gain."""
+        table: dict[str, dict[str, Any]] = {}
+        for category in dict.fromkeys(judgement.category for judgement in self.judgements):
+            part = [judgement for judgement in self.judgements if judgement.category == category]
+            ratios = [judgement.over_probe for judgement in part if math.isfinite(judgement.over_probe)]
+            table[category] = {
+                "records": len(part),
+                "exact": sum(judgement.exact for judgement in part),
+                "over_probe": {"median": _median(ratios), "largest": max(ratios, default=None)},
+                "largest_in": next((v.name for v in part if ratios and v.over_probe == max(ratios)), None),
+                "gain": _median([judgement.gain for judgement in part if math.isfinite(judgement.gain)]),
+            }
+        return table
+
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values."""
         return {
@@ -235,6 +253,7 @@ class BankResult:
                 }
                 for name, part in self.families().items()
             },
+            "categories": self.of_categories(),
             "median_seconds": _median([judgement.seconds for judgement in self.judgements]),
         }
 
@@ -257,6 +276,11 @@ class BankResult:
         for name, part in self.families().items():
             count = sum(judgement.exact for judgement in part.judged())
             lines.append(f"  {name or 'own stage':18}exact {count:3} of {len(part.judged()):3}")
+        lines.append("category         exact     delivered over probe: median, largest     gain: median")
+        for category, values in self.of_categories().items():
+            ratio, where = values["over_probe"], values["largest_in"] or ""
+            figures = f"{_two(ratio['median'])}{_two(ratio['largest'])}{_two(values['gain'])}"
+            lines.append(f"  {category:12}{values['exact']:3} of {values['records']:3}{figures}  {where}".rstrip())
         half, most = self.smallest(0.5), self.smallest(0.95)
         lines.append("smallest effect found, as a multiple of what memory alone leaves (50 % / 95 % of the time):")
         lines.extend(
@@ -292,6 +316,10 @@ def _share(hits: Sequence[bool]) -> float:
 
 def _median(values: Sequence[float]) -> float | None:
     return float(np.median(values)) if values else None
+
+
+def _two(value: float | None) -> str:
+    return f"{'-' if value is None else format(value, '.2f'):>10}"
 
 
 def _finite(value: float) -> float | None:
