@@ -130,20 +130,25 @@ def test_why_a_cause_is_not_extended_is_said() -> None:
 
 def test_the_fall_of_rungs_that_raise_the_error_is_split_between_them_and_the_next() -> None:
     # Slew alone makes the model wrong, and with memory it removes most: its part is a half of what both remove.
-    assert joint_shares([1.0, 359.0, 0.2], [3.0, 3.0]) == pytest.approx([0.4, 0.4])
-    assert joint_shares([1.0, 0.4, 0.1], [0.0, 0.0]) == pytest.approx([0.6, 0.3])
-    assert joint_shares([1.0, 0.1, 0.3], [3.0, 1.0]) == pytest.approx([0.525, 0.175])
-    assert joint_shares([1.0, 1.5], [2.0]) == [0.0]
-    assert joint_shares([1.0], []) == []
+    assert joint_shares([1.0, 359.0, 0.2], 0.0, [3.0, 3.0]) == (pytest.approx([0.4, 0.4]), pytest.approx(0.2))
+    assert joint_shares([1.0, 0.4, 0.1], 0.0, [0.0, 0.0]) == (pytest.approx([0.6, 0.3]), pytest.approx(0.1))
+    assert joint_shares([1.0, 0.1, 0.3], 0.0, [3.0, 1.0]) == (pytest.approx([0.525, 0.175]), pytest.approx(0.3))
+    assert joint_shares([1.0, 1.5], 0.0, [2.0]) == ([0.0], 1.0)
+    assert joint_shares([1.0], 0.0, []) == ([], 1.0)
+
+
+def test_what_is_below_the_noise_is_nobodys_share() -> None:
+    assert joint_shares([1.0, 0.4, 0.1], 0.2, [1.0, 1.0]) == (pytest.approx([0.75, 0.25]), 0.0)
+    assert joint_shares([0.2, 0.1], 0.2, [1.0]) == ([0.0], 0.0)
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_shares_and_what_is_left_add_up_to_the_whole(seed: int) -> None:
     rng = np.random.default_rng(seed)
     powers = [1.0, *np.exp(rng.normal(scale=2.0, size=rng.integers(1, 6))).tolist()]
-    shares = joint_shares(powers, rng.normal(size=len(powers) - 1).tolist())
-    assert min(shares) >= 0.0
-    assert sum(shares) == pytest.approx(max(powers[0] - powers[-1], 0.0), abs=1e-12)
+    shares, left = joint_shares(powers, 0.5 * rng.random(), rng.normal(size=len(powers) - 1).tolist())
+    assert min(*shares, left) >= 0.0
+    assert sum(shares) + left == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_cause_in_json_holds_every_number_in_its_place() -> None:

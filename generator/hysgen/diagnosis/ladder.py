@@ -324,21 +324,25 @@ def _block_means(values: Floats, length: int) -> Floats:
     return np.asarray((sums[length:] - sums[:-length]) / length)
 
 
-def joint_shares(powers: Sequence[float], alone: Sequence[float]) -> list[float]:
-    """The part of each of m extensions in the fall from the first of m + 1 powers to the last, in um^2, none below 0.
+def joint_shares(powers: Sequence[float], floor: float, alone: Sequence[float]) -> tuple[list[float], float]:
+    """The share of each of m extensions in the first of m + 1 powers, and what is left of it; they add up to 1.
 
-    With L_i = min(P_0, max of P_i .. P_m), a rung lowers the power by L_(i-1) - L_i. A rung that lowers nothing is
-    taken together with the next that does, or with those before it at the end of the ladder: their fall is split in
-    proportion to what each removes beside all others, alone: (m,).
+    Powers count by what they are above the floor, P_0 .. P_m; all shares are 0 if P_0 is not above it. With L_i =
+    min(P_0, max of P_i .. P_m), a rung lowers the power by L_(i-1) - L_i. A rung that lowers nothing is taken together
+    with the next that does, or with those before it at the end of the ladder: their fall is split in proportion to what
+    each removes beside all others, alone: (m,).
     """
-    levels = np.minimum(powers[0], np.maximum.accumulate(np.asarray(powers)[::-1])[::-1])
+    above = np.maximum(np.asarray(powers) - floor, 0.0)
+    if above[0] == 0.0:
+        return [0.0] * len(alone), 0.0
+    levels = np.minimum(1.0, np.maximum.accumulate(above[::-1])[::-1] / above[0])
     falls = -np.diff(levels)
     ends = np.flatnonzero(falls > 0.0) + 1
     found = np.zeros(len(alone))
     for first, end in itertools.pairwise([0, *ends.tolist()[:-1], len(alone)] if ends.size else [0]):
         weights = np.maximum(alone[first:end], 0.0) + 1e-300
         found[first:end] = falls[first:end].sum() * weights / weights.sum()
-    return [float(part) for part in found]
+    return [float(part) for part in found], float(levels[-1])
 
 
 TOLERATED = 1.1

@@ -328,9 +328,9 @@ def _scored(
     # Wrong readings count until a rung rejects them.
     rows = [clean if gate or not any(gates) else held for gate in gates]
     levels = [rms(error[chosen]) for error, chosen in zip(own_um, rows, strict=True)]
-    above = levels[0] ** 2 - noise.rms_um**2
     removed = [alone[name].before_um ** 2 - alone[name].after_um ** 2 if name in alone else 0.0 for name in made]
-    parts = dict(zip(made, joint_shares([level**2 for level in levels], removed), strict=True))
+    parts, rest = joint_shares([level**2 for level in levels], noise.rms_um**2, removed)
+    shares = dict(zip(made, parts, strict=True))
     span_s = naming.found.scene.span_s
     running = [
         add_online_parts(rung.model, [extensions[name] for name in rung.causes], span_s, noise.rms_um)
@@ -363,7 +363,7 @@ def _scored(
                 confidence=naming.found.confidence.get(name) if name in naming.found.bayes else None,
                 bayes=naming.found.bayes.get(name),
                 probe_gain=naming.found.error_growth.get(name),
-                share=parts.get(name, 0.0) / above if above > 0.0 else 0.0,
+                share=shares.get(name, 0.0),
                 price=Price.between(prices[i], prices[j]) if name in made else None,
                 extended=name in made,
             )
@@ -394,7 +394,7 @@ def _scored(
         ),
         noise=noise,
         persistence_um=rms(steps[held]),
-        unexplained_fraction=max(levels[-1] ** 2 - noise.rms_um**2, 0.0) / above if above > 0.0 else 0.0,
+        unexplained_fraction=rest,
         abilities=naming.abilities,
         next_experiment=naming.next_experiment,
         errors_um=tuple((" + ".join(rung.causes) or "paper model", rung.error_um) for rung in rungs),
