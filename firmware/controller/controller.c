@@ -32,7 +32,7 @@ uint32_t hysgen_controller_drives(const controller_t *self)
 static void controller_restart_trace(controller_t *self)
 {
     self->trace.count = 0u;
-    self->trace.end = UINT32_MAX;
+    self->trace.left = TRACE_BEHIND;
 }
 
 /* The parameters that drive the model are those of the next start. */
@@ -123,12 +123,12 @@ static void controller_take_request(controller_t *self)
     const uint32_t request = self->request;
     uint32_t plays;
 
-    if ((request == CONTROLLER_START) && (self->installing != 0u)) {
+    if (((request == CONTROLLER_START) || (request == CONTROLLER_RECORD)) && (self->installing != 0u)) {
         return;
     }
     self->request = CONTROLLER_NO_REQUEST;
-    /* What was played is a record, and no table any more. */
-    plays = (uint32_t)(request == CONTROLLER_RECORD) & (uint32_t)(self->play.done < self->play.count);
+    /* What was played, in part too, is a record and no table any more. */
+    plays = (uint32_t)(request == CONTROLLER_RECORD) & (uint32_t)(self->play.done == 0u) & (uint32_t)(self->play.count != 0u);
     if (((request == CONTROLLER_START) || (plays != 0u)) && (self->state == CONTROLLER_OFF)) {
         self->plays = plays;
         self->begun = 0u;
@@ -265,7 +265,7 @@ static float controller_loop(controller_t *self)
             const float stroke_um = self->top_um - self->watchdog.reading_um;
             const float model_um = self->top_model_um - self->model.y_um;
 
-            if (number_size(stroke_um - model_um) > CONTROLLER_STROKE_SHARE * number_size(model_um)) {
+            if (!(number_size(stroke_um - model_um) <= CONTROLLER_STROKE_SHARE * number_size(model_um))) {
                 self->status |= STATUS_FAULT_STROKE;
             }
             self->state = CONTROLLER_HOLD;
@@ -351,7 +351,7 @@ static float controller_voltage(controller_t *self, float reference_um)
             const float mean_um = self->held_um * self->hold_share;
 
             self->offset_um = ((settings->options & SETTINGS_NO_OFFSET) == 0u) ? mean_um : 0.0f;
-            if (number_size(mean_um) > settings->offset_um) {
+            if (!(number_size(mean_um) <= settings->offset_um)) {
                 self->status |= STATUS_FAULT_OFFSET;
             } else {
                 controller_take_over(self);
@@ -434,7 +434,6 @@ static void controller_trip(controller_t *self)
     if (faults != 0u) {
         if (self->first == 0u) {
             self->first = faults;
-            self->trace.end = self->trace.count + TRACE_BEHIND;
         }
         if ((hysgen_controller_drives(self) == 0u) || (self->state == CONTROLLER_POWER)) {
             self->state = CONTROLLER_TRIPPED;
@@ -455,6 +454,7 @@ float hysgen_controller_step(controller_t *self, float y_um, float reference_um,
     self->learns = 0u;
     if ((self->status & STATUS_FAULT_SETTINGS) != 0u) {
         controller_trip(self);
+        controller_take_request(self);
         return self->output_V;
     }
     before = self->state;
@@ -488,14 +488,16 @@ static void controller_trace(controller_t *self)
 {
     trace_t *trace = &self->trace;
     const uint32_t count = trace->count;
+    const uint32_t left = trace->left;
     uint32_t *place = &trace->words[TRACE_WORDS * (count & (TRACE_SAMPLES - 1u))];
 
-    if (count != trace->end) {
+    if (left != 0u) {
         place[0] = number_bits(self->watchdog.raw_um);
         place[1] = number_bits(self->output_V);
         place[2] = number_bits(self->reference_um);
         place[3] = (uint32_t)self->state;
-        trace->count = count + 1u;
+        trace->count = (count != UINT32_MAX) ? count + 1u : TRACE_SAMPLES;
+        trace->left = (self->first != 0u) ? left - 1u : left;
     }
 }
 

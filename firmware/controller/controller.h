@@ -45,7 +45,7 @@ typedef enum {
     CONTROLLER_PLAY = 10
 } controller_state_t;
 
-/* What the caller may ask for; taken at the next sample, START not before parameters being installed are in place. */
+/* What the caller may ask for; taken at the next sample, START and RECORD not before parameters being installed are in place. */
 #define CONTROLLER_NO_REQUEST     0u
 #define CONTROLLER_START          1u  /* from OFF */
 #define CONTROLLER_STOP           2u  /* from any state in which the stage moves */
@@ -65,7 +65,7 @@ typedef struct {
     volatile uint32_t request;
     volatile uint32_t committing;   /* the idle loop is inside the model's commit */
     volatile uint32_t damaged;      /* STATUS_FAULT_MEMORY: code, constants or stack are not what they were, until the next boot */
-    volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START waits */
+    volatile uint32_t installing;   /* the idle loop is storing and installing parameters; START and RECORD wait */
 
     play_t play;             /* the idle loop writes all but `done`, and only at rest */
     uint32_t plays;          /* the start that was asked for last leads to PLAY */

@@ -24,6 +24,14 @@ static void firmware_keep(board_t *board, uint32_t fault)
     kept[1] = fault ^ FIRMWARE_KEPT;
 }
 
+/* What was kept, 0: nothing. Both words are of faults, though the reset may have come between them. */
+static uint32_t firmware_kept(board_t *board)
+{
+    const uint32_t *kept = hysgen_board_kept(board);
+
+    return (((kept[0] | (kept[1] ^ FIRMWARE_KEPT)) & ~STATUS_FAULTS) == 0u) ? kept[0] : 0u;
+}
+
 void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *settings, const image_owner_t *owner)
 {
     const settings_t *used = &self->settings;
@@ -72,11 +80,8 @@ void hysgen_firmware_boot(firmware_t *self, board_t *board, const settings_t *se
         hysgen_board_calibrate(board, 0.0f, 1.0f, 0.0f, 1.0f);
     }
     if (hysgen_board_power_on(board) == 0u) {
-        const uint32_t *kept = hysgen_board_kept(board);
-
         self->controller.status |= STATUS_FAULT_RESET;  /* [S8] */
-        /* Both words are of faults, though the reset may have come between them. */
-        self->controller.first = (((kept[0] | (kept[1] ^ FIRMWARE_KEPT)) & ~STATUS_FAULTS) == 0u) ? kept[0] : 0u;
+        self->controller.first = firmware_kept(board);
     }
     if (self->settings_wrong != NULL) {
         self->controller.status |= STATUS_FAULT_SETTINGS;
@@ -120,7 +125,8 @@ uint32_t hysgen_firmware_status(const firmware_t *self)
 void hysgen_firmware_panic(const firmware_t *self, board_t *board)
 {
     hysgen_board_amplifier_enable(board, 0u);
-    firmware_keep(board, self->controller.first | STATUS_FAULT_EXCEPTION);
+    /* Before boot the first fault is where it was kept. */
+    firmware_keep(board, self->controller.first | firmware_kept(board) | STATUS_FAULT_EXCEPTION);
 }
 
 static void firmware_answer_status(firmware_t *self, const board_t *board)
@@ -268,6 +274,7 @@ static void firmware_answer_kept(firmware_t *self, uint32_t place)
 
 static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t count)
 {
+    const uint32_t waits = self->controller.request;
     uint8_t code = LINK_LENGTH;
 
     if (count == 1u) {
@@ -275,7 +282,10 @@ static uint8_t firmware_request(firmware_t *self, const uint8_t *data, uint32_t 
         const uint32_t known = (uint32_t)(data[0] >= CONTROLLER_START) & (uint32_t)(data[0] <= CONTROLLER_RECORD);
 
         code = LINK_VALUE;
-        if (data[0] == CONTROLLER_RECORD) {
+        if ((waits != CONTROLLER_NO_REQUEST) && (data[0] != CONTROLLER_STOP)) {
+            /* Only STOP takes the place of a request that the interrupt has not seen; another of the kind is a repetition. [S11] */
+            code = (waits == data[0]) ? LINK_DONE : LINK_VALUE;
+        } else if (data[0] == CONTROLLER_RECORD) {
             code = firmware_record(self);
         } else if ((known != 0u) && ((starts == 0u) || (self->controller.state < CONTROLLER_FALL))) {
             code = LINK_DONE;
@@ -295,6 +305,7 @@ static uint8_t firmware_reference(firmware_t *self, const uint8_t *data, uint32_
 
     if (count == 0u) {
         self->asks = 0u;
+        self->lease = 0u;
         code = LINK_DONE;
     } else if ((count == 4u) || (count == 8u)) {
         const float asked_um = number_of(bytes_word(data));
@@ -439,6 +450,17 @@ static void firmware_line(firmware_t *self, board_t *board)
     }
 }
 
+/* The status of images ends with a CLEAR. */
+static void firmware_clear_images(firmware_t *self)
+{
+    const uint32_t clears = self->controller.clears;
+
+    if (self->cleared != clears) {
+        self->cleared = clears;
+        self->image_status = 0u;
+    }
+}
+
 /* Certification and store take milliseconds and touch nothing that the interrupt uses; taking over is one copy. */
 static void firmware_take_image(firmware_t *self, board_t *board)
 {
@@ -450,6 +472,7 @@ static void firmware_take_image(firmware_t *self, board_t *board)
         self->store.bytes[i] = self->incoming[i];
     }
     self->image_answer = hysgen_store_keep(&self->store, board, &self->bench, &bank, IMAGE_BYTES);
+    firmware_clear_images(self);  /* one that came meanwhile: what is told from here on comes behind it */
     if (self->image_answer != IMAGE_GOOD) {
         self->image_status |= STATUS_IMAGE_REFUSED;
     } else {
@@ -501,15 +524,11 @@ static void firmware_commit(firmware_t *self)
 
 void hysgen_firmware_idle(firmware_t *self, board_t *board)
 {
-    const uint32_t clears = self->controller.clears;
     const uint32_t samples = self->controller.samples;
 
-    if (self->cleared != clears) {
-        self->cleared = clears;
-        self->image_status = 0u;
-    }
+    firmware_clear_images(self);
     firmware_line(self, board);
-    if ((self->lease != 0u) && (samples - self->heard > self->lease)) {
+    if ((self->lease != 0u) && (self->controller.samples - self->heard > self->lease)) {
         /* Nobody speaks any more who has asked for a reference with a lease. */
         self->lease = 0u;
         self->controller.request = CONTROLLER_STOP;

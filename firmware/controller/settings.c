@@ -6,6 +6,7 @@
 #include "bytes.h"
 #include "model.h"
 #include "number.h"
+#include "watchdog.h"
 
 typedef struct {
     const char *field;
@@ -59,7 +60,7 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "ramp_V", s->ramp_V, least, s->step_V },
         { "ramp_V", s->ramp_V * time, range_V, NUMBER_LARGEST },
         { "loop_low_V", s->loop_low_V, low_V, high_V },
-        { "loop_high_V", s->loop_high_V, s->loop_low_V + least, high_V },
+        { "loop_high_V", s->loop_high_V, s->loop_low_V + WATCHDOG_STUCK_V, high_V },
         { "offset_um", s->offset_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
         { "follow_um", s->follow_um, 0.0f, range_um },
@@ -67,6 +68,8 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "reading_gain", s->reading_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
         { "output_zero_V", s->output_zero_V, -zero_V, zero_V },
         { "output_gain", s->output_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
+        { "low_V", s->output_zero_V + s->output_gain * s->low_V, BOARD_LOW_V, BOARD_HIGH_V },
+        { "high_V", s->output_zero_V + s->output_gain * s->high_V, BOARD_LOW_V, BOARD_HIGH_V },
     };
     const struct {
         const char *field;

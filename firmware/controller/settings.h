@@ -56,10 +56,10 @@ typedef struct {
 
 #define SETTINGS_WORDS 18u  /* float32 and uint32_t */
 
-/* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's; low_V < off_V,
- * loop < high_V, the loop inside the model's range of inputs; step_V at most a sixteenth of that range; ramp_V at most step_V, and such
- * that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long enough for a mean; no guard looser than the
- * model's range; converters within 10 % of their scales, and 5 % of their ranges. */
+/* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's, as calibrated too;
+ * low_V < off_V, loop < high_V, the loop inside the model's range of inputs and a 64th of it wide at least; step_V at most a sixteenth of
+ * that range; ramp_V at most step_V, and such that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long
+ * enough for a mean; no guard looser than the model's range; converters within 10 % of their scales, and 5 % of their ranges. */
 const char *hysgen_settings_check(const settings_t *settings);
 
 /* Word i of the settings, in the order above, for an image; and the other way. */

@@ -85,7 +85,6 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
     uint32_t bad = 0u;
 
     self->slot = STORE_NONE;
-    self->sequence = 0u;
     self->counter = 0u;
     self->owner = owner;
     self->answer = IMAGE_GOOD;
@@ -93,6 +92,7 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
         sealed[slot] = store_sealed(self, board, slot, &sequence[slot]);
     }
     first = (uint32_t)((sealed[0] == 0u) || ((sealed[1] != 0u) && (store_newer(sequence[1], sequence[0]) != 0u)));
+    self->sequence = (sealed[first] != 0u) ? sequence[first] : 0u;
     for (uint32_t i = 0u; i < BOARD_SLOTS; ++i) {
         const uint32_t slot = (i == 0u) ? first : 1u - first;
 
@@ -105,7 +105,6 @@ uint32_t hysgen_store_load(store_t *self, board_t *board, const image_owner_t *o
             }
             if (answer == IMAGE_GOOD) {
                 found = slot;
-                self->sequence = sequence[slot];
             } else {
                 bad = 1u;
             }

@@ -22,7 +22,7 @@ LINKAGE_BEGIN
 typedef struct {
     uint8_t bytes[IMAGE_BYTES];  /* image being looked at, or written */
     uint32_t slot;               /* in use, or STORE_NONE: the numbers that the firmware was built with */
-    uint32_t sequence;           /* of the newest image that was found */
+    uint32_t sequence;           /* of the newest sealed image, good or not */
     uint32_t counter;            /* largest of an authentic image, the one in use or one for another build; 0: none */
     const image_owner_t *owner;  /* whose images are taken */
     uint32_t answer;             /* of the image that was looked at last */

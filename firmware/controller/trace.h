@@ -11,8 +11,8 @@
 
 typedef struct {
     uint32_t words[TRACE_WORDS * TRACE_SAMPLES];  /* float32 as its bits */
-    uint32_t count;                               /* samples since the last CLEAR at rest; wraps */
-    uint32_t end;                                 /* count at which it stops: set by the first fault */
+    uint32_t count;                               /* samples since the last CLEAR at rest; behind 2^32 - 1 comes TRACE_SAMPLES */
+    uint32_t left;                                /* samples behind the first fault that are still to come */
 } trace_t;
 
 #endif

@@ -36,6 +36,7 @@ void hysgen_watchdog_init(watchdog_t *self, const settings_t *settings)
     self->reading_um = number_limited(0.0f, BOARD_LOW_UM, BOARD_HIGH_UM);
     self->sample_um = self->reading_um;
     self->raw_um = number_of(NUMBER_NAN);
+    self->seen_um = self->raw_um;
     watchdog_restart(&self->unread);
     self->same_V = settings->off_V;
     self->same = 0u;
@@ -55,14 +56,17 @@ uint32_t hysgen_watchdog_reading(watchdog_t *self, float y_um, float u_V)
         status |= STATUS_SENSOR_INVALID;
     } else if ((y_um < BOARD_LOW_UM) || (y_um > BOARD_HIGH_UM)) {
         status |= STATUS_SENSOR_RANGE;
-    } else if ((number_size(y_um - self->reading_um) > WATCHDOG_JUMP_UM) && (number_size(y_um - self->raw_um) > WATCHDOG_JUMP_UM)) {
-        status |= STATUS_SENSOR_JUMP;
-    } else if (number_bits(y_um) != number_bits(self->reading_um)) {
-        self->reading_um = y_um;
-        self->same_V = u_V;
-        self->same = 0u;
     } else {
-        self->same += (uint32_t)(self->same < UINT32_MAX);
+        if ((number_size(y_um - self->reading_um) > WATCHDOG_JUMP_UM) && (number_size(y_um - self->seen_um) > WATCHDOG_JUMP_UM)) {
+            status |= STATUS_SENSOR_JUMP;
+        } else if (number_bits(y_um) != number_bits(self->reading_um)) {
+            self->reading_um = y_um;
+            self->same_V = u_V;
+            self->same = 0u;
+        } else {
+            self->same += (uint32_t)(self->same < UINT32_MAX);
+        }
+        self->seen_um = y_um;
     }
     self->raw_um = y_um;
     self->sample_um = (status == 0u) ? y_um : number_of(NUMBER_NAN);
@@ -87,7 +91,8 @@ void hysgen_watchdog_judge(watchdog_t *self, const settings_t *settings, float e
 /* [S5] */
 uint32_t hysgen_watchdog_follow(watchdog_t *self, float expected_um)
 {
-    const uint32_t far = (uint32_t)(number_size(self->reading_um - expected_um) > self->follow_um);
+    /* As bits, of which those of NaN are larger than any number's. */
+    const uint32_t far = (uint32_t)(number_bits(number_size(self->reading_um - expected_um)) > number_bits(self->follow_um));
 
     return (watchdog_count(&self->astray, far, WATCHDOG_ASTRAY) != 0u) ? STATUS_FAULT_FOLLOW : 0u;
 }

@@ -29,7 +29,7 @@ LINKAGE_BEGIN
 
 /* Change of a reading per sample beyond which it is none, as a share of the model's range. The largest step_V is a sixteenth of the
  * model's inputs: a stage whose slope is twice the mean one, and that has no lag at all, moves as far. A reading as far from the last
- * good one that the next reading confirms is taken: the stage is there. */
+ * good one that the next reading inside the range confirms is taken: the stage is there. */
 #define WATCHDOG_JUMP_SHARE 0.125f
 
 /* Reading and model of START may differ by this share of the model's range, creep and drift behind START among them, and by so many times
@@ -49,7 +49,8 @@ typedef struct {
 typedef struct {
     float reading_um;        /* last reading that was one */
     float sample_um;         /* the reading of this sample, NaN where it was none */
-    float raw_um;            /* the reading of the sample before, whatever it was; NaN at first */
+    float raw_um;            /* the reading as it came, of the sample before at first */
+    float seen_um;           /* the last reading inside the range, a jump or not; NaN at first */
     watchdog_count_t unread; /* readings that were none */
     float same_V;            /* input when the reading last changed, */
     uint32_t same;           /* and samples since then */

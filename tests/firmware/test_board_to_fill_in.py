@@ -155,13 +155,22 @@ def test_with_spi_that_does_not_answer_nothing_claims_to_be_stored() -> None:
     assert chip.lib.hysgen_board_store_write(chip.board, 0, 0, b"\0\0\0\0", 4) == 0
 
 
-@pytest.mark.parametrize(("word", "reading_um"), [(0, 4.916), (0x7FFF, 13.10775), (-0x8000, -3.276), (-1, 4.91575)])
+@pytest.mark.parametrize(("word", "reading_um"), [(0, 4.916), (0x7FFE, 13.1075), (-0x7FFF, -3.27575), (-1, 4.91575)])
 def test_a_word_of_the_converter_is_twos_complement(word: int, reading_um: float) -> None:
     chip = Chip()
     chip.state.adc_code[1] = word
     assert chip.lib.hysgen_board_displacement_um(chip.board) == pytest.approx(reading_um, abs=1e-6)
     assert chip.touched[-1] == 0x6000_0000
     assert chip.violations == []
+
+
+@pytest.mark.parametrize("rail", [0x7FFF, -0x8000])
+def test_a_reading_at_a_rail_is_none_whatever_the_calibration_makes_of_it(rail: int) -> None:
+    """A broken wire: with another gain it lay inside the range."""
+    chip = Chip()
+    chip.lib.hysgen_board_calibrate(chip.board, 0.0, 0.95, 0.0, 1.0)
+    chip.state.adc_code[1] = rail
+    assert np.isnan(chip.lib.hysgen_board_displacement_um(chip.board))
 
 
 def test_a_converter_that_stays_busy_gives_no_number_and_is_not_read() -> None:

@@ -13,6 +13,7 @@ from fixtures.board_drivers import Chip
 from fixtures.firmware_bench import model
 from fixtures.tools import need
 from hysgen.codegen import write
+from hysgen.errors import BuildError
 from hysgen.firmware.binding import (
     CONTROLLER,
     EMPTY_STORE,
@@ -33,6 +34,7 @@ assert SETTINGS is not None
 # Everything around main.c and console.c: the line takes a byte at a time, and is busy for `busy` looks behind each.
 AROUND_MAIN = """
 #include <setjmp.h>
+#include "bytes.h"
 #include "chip.h"
 #include "firmware.h"
 #include "flash.h"
@@ -92,7 +94,10 @@ void chip_write(uint32_t address, uint32_t value)
 void set_found(uint32_t selftest, const char *wrong, uint32_t counter, uint32_t status);
 void set_found(uint32_t selftest, const char *wrong, uint32_t counter, uint32_t status)
 {
-    found.selftest = selftest; found.settings_wrong = wrong; found.store.counter = counter; found.image_status = status;
+    found.selftest = selftest; found.settings_wrong = wrong; found.image_status = status;
+    found.store.slot = (counter != 0u) ? 1u : STORE_NONE;
+    bytes_put(&found.store.bytes[4u * IMAGE_COUNTER], counter);
+    found.store.counter = counter + 7u;  /* of an image for another build */
 }
 """
 DECLARED = """
@@ -115,7 +120,7 @@ def generated() -> dict[str, str]:
 
 
 @functools.cache
-def main_alone() -> Library:
+def main_alone(filled: str = "MAIN_FILLED_IN") -> Library:
     """main.c and console.c; loops without end, which a host cannot leave, call `stopped`."""
     texts = {name: text for name, text in read_sources(TARGET_BOARD) if name.endswith(".h") or name == "console.c"}
     text = dict(read_sources(TARGET_BOARD))["main.c"]
@@ -123,7 +128,7 @@ def main_alone() -> Library:
         assert text.count(comment) == 1
         text = text.replace(comment, f"stopped(); {comment}")
     headers = {name: text for name, text in [*read_sources(CONTROLLER), *generated().items()] if name.endswith(".h")}
-    macros = ("__TI_COMPILER_VERSION__=8003000", "CHIP_MODEL", "MAIN_FILLED_IN", "interrupt=", "main=board_main")
+    macros = ("__TI_COMPILER_VERSION__=8003000", "CHIP_MODEL", filled, "interrupt=", "main=board_main")
     flags = tuple(f"-D{macro}" for macro in macros)
     around = ("around.c", f"int board_main(void);void stopped(void);\n{AROUND_MAIN}")
     sources = [*texts.items(), ("main.c", f"void stopped(void);\n{text}"), *headers.items(), around]
@@ -151,6 +156,11 @@ def test_the_text_of_a_good_start_names_the_build_and_ends_before_sampling() -> 
     # Amplifier and the converter's reset, which drive; no secret unless filled in.
     assert library.lib.outputs == 0x14
     assert [*library.lib.owner.key, *library.lib.owner.device] == [0] * 6
+
+
+def test_the_example_does_not_compile_until_it_is_filled_in() -> None:
+    with pytest.raises(BuildError, match="fill in main_settings and main_owner"):
+        main_alone("NOTHING")
 
 
 def test_the_text_of_a_start_says_every_fault() -> None:

@@ -15,9 +15,9 @@ BAD = 8
 MAGIC = 0x4C414553
 
 
-def sealed(counter: int, sequence: int) -> bytes:
+def sealed(counter: int, sequence: int, build: int = 0) -> bytes:
     """A slot with an image under `counter` and its seal under `sequence` (store.h)."""
-    image = encode(model(), KEY, Label(counter=counter))
+    image = encode(model(), KEY, Label(build=build, counter=counter))
     # Behind the image's CRC are two words of its MAC.
     seal = struct.pack("<3I", MAGIC, sequence, struct.unpack("<I", image[-12:-8])[0])
     seal += struct.pack("<I", zlib.crc32(seal))
@@ -40,6 +40,16 @@ def test_the_newer_of_two_sealed_images_drives_also_where_the_sequence_wraps(
     assert firmware.send(encode(model(), KEY, Label(counter=9))) == 0
     assert firmware.firmware.store.sequence == (newer + 1) & 0xFFFFFFFF
     assert firmware.firmware.store.slot == 1 - newer_slot
+
+
+def test_an_image_behind_one_for_another_build_is_the_newest() -> None:
+    """Its sequence began anew: every boot told IMAGE_FALLBACK, and the other build took the older image back."""
+    firmware = booted()
+    firmware.slot(1)[:] = sealed(50, 7, build=1)
+    firmware.boot()
+    assert firmware.send(encode(model(), KEY, Label(counter=51))) == 0
+    firmware.boot()
+    assert (firmware.status, firmware.firmware.store.slot, firmware.firmware.store.sequence) == (0, 0, 8)
 
 
 def spent(firmware: HostFirmware, fault: BoardFault, cycles: int) -> FirmwareStatus:

@@ -154,6 +154,26 @@ def test_a_reading_that_jumps_and_comes_back_moves_nothing_and_is_told() -> None
     assert (firmware.state, FirmwareStatus.SENSOR_JUMP in firmware.status) == (State.TRACK, False)
 
 
+def test_a_reading_that_is_no_number_confirms_no_jump() -> None:
+    firmware = on_itself(Settings(loop=True))
+    firmware.fail(BoardFault.READING, np.nan, samples=2)
+    firmware.run(np.full(1, REFERENCE_UM))
+    firmware.fail(BoardFault.READING, 9.0, samples=2)
+    log = firmware.run(np.full(2, REFERENCE_UM))
+    assert log.reading_um[1] == 9.0
+    assert FirmwareStatus.SENSOR_INVALID | FirmwareStatus.SENSOR_JUMP in firmware.status
+    assert abs(firmware.firmware.controller.watchdog.reading_um - REFERENCE_UM) < 0.1
+
+
+@pytest.mark.parametrize("state", [State.LOOP, State.HOLD, State.TRACK])
+def test_a_model_that_is_no_number_is_a_fault(state: State) -> None:
+    """Nothing is larger than a limit that NaN is held against: the guards demanded a difference beyond it."""
+    firmware = reached(state)
+    firmware.firmware.controller.model.y_um = np.nan
+    firmware.run(np.full(6000, REFERENCE_UM))
+    assert firmware.state in (State.TRIP, State.TRIPPED)
+
+
 def test_the_status_of_the_model_is_that_of_the_way_it_drives() -> None:
     """It was set by every start, and CLEAR left it."""
     firmware = on_itself(Settings(high_V=58.0))

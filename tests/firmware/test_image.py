@@ -196,10 +196,12 @@ def stop(firmware: HostFirmware) -> None:
     assert firmware.state is State.OFF
 
 
-def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive() -> None:
+@pytest.mark.parametrize("asked", [Request.START, Request.RECORD])
+def test_a_start_during_the_writing_of_an_image_waits_until_its_numbers_drive(asked: Request) -> None:
     firmware = booted()
+    firmware.firmware.controller.play.count = 9
     old, data = firmware.bank(), encode(changed(STIFFER), KEY)
-    firmware.preempt_store(Request.START)
+    firmware.preempt_store(asked)
     assert firmware.send(data) == 0
     new = firmware.bank()
     assert new != old
@@ -217,6 +219,16 @@ def test_a_fault_during_the_writing_of_an_image_does_not_lose_it() -> None:
     firmware.preempt_store(Request.STOP)
     assert firmware.send(data) == 0
     assert firmware.bank() != old
+
+
+def test_a_refusal_behind_a_clear_is_told() -> None:
+    """The interrupt takes the CLEAR while the image is being written: the next idle loop took the refusal with it."""
+    firmware, data = booted(), encode(changed(STIFFER), KEY)
+    firmware.preempt_store(Request.CLEAR)
+    firmware.board.bytes_to_cut = 9
+    assert firmware.send(data) != 0
+    firmware.run(np.full(2, 2.0))
+    assert FirmwareStatus.IMAGE_REFUSED in firmware.status
 
 
 def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:

@@ -200,6 +200,30 @@ def test_a_reference_with_a_lease_ends_in_a_stop_once_nobody_speaks() -> None:
     assert firmware.state is State.OFF
 
 
+def test_a_frame_that_ends_behind_an_interrupt_is_a_word_of_the_host() -> None:
+    """Heard behind the idle loop's look at the samples, it was taken for a long silence, and stopped."""
+    firmware = owned()
+    client = Client(Direct(firmware))
+    firmware.start(2.0)
+    client.reference(2.2, lease=1000)
+    firmware.preempt_store(Request.CLEAR)
+    asked = command(Command.STATUS)
+    line = firmware.image.library.ffi.new("uint8_t []", asked)
+    firmware.board.incoming, firmware.board.incoming_count, firmware.board.preempts_line = line, len(asked), 1
+    firmware.image.library.lib.hysgen_firmware_idle(firmware.firmware, firmware.board)
+    assert firmware.firmware.controller.request == 0
+
+
+def test_the_boards_reference_has_no_lease() -> None:
+    firmware = owned()
+    client = Client(Direct(firmware))
+    firmware.start(2.0)
+    client.reference(2.2, lease=1000)
+    client.reference(None)
+    firmware.run(np.full(3000, 2.0))
+    assert firmware.state is State.TRACK
+
+
 def test_a_refused_image_is_an_error_with_its_reason() -> None:
     client = Client(Direct(owned()))
     with pytest.raises(ModelError, match="MAC"):
@@ -268,12 +292,15 @@ def test_a_board_without_flash_refuses_every_image() -> None:
     assert status.counter == 0
 
 
-def test_the_trace_has_the_samples_around_the_first_fault_and_begins_anew_with_clear() -> None:
+@pytest.mark.parametrize("before", [0, 2**32 - 500, 2**32 - 1000])
+def test_the_trace_has_the_samples_around_the_first_fault_and_begins_anew_with_clear(before: int) -> None:
+    """before: samples of the trace, more in a day than a word counts: it wraps in front of the fault, or behind."""
     firmware = owned()
     client = Client(Direct(firmware))
     with pytest.raises(HysgenError, match="no fault since CLEAR"):
         client.trace()
     firmware.start(2.0)
+    firmware.firmware.controller.trace.count = before
     logs = [firmware.run(np.full(900, 2.0))]
     firmware.fail(BoardFault.READING, value=float("nan"))
     logs.append(firmware.run(np.full(900, 2.0)))

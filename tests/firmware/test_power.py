@@ -107,6 +107,17 @@ def test_an_exception_is_told_behind_the_reset_that_it_ends_in() -> None:
     assert firmware.first_fault == FirmwareStatus.FAULT_EXCEPTION
 
 
+def test_an_exception_before_boot_leaves_the_first_fault() -> None:
+    firmware = tracking(SETTINGS)
+    firmware.boot(power_on=False)
+    run(firmware, 1)
+    before = firmware.image.library.ffi.new("firmware_t *")
+    firmware.image.library.lib.hysgen_firmware_panic(before, firmware.board)
+    firmware.boot(power_on=False)
+    run(firmware, 1)
+    assert firmware.first_fault == FirmwareStatus.FAULT_RESET | FirmwareStatus.FAULT_EXCEPTION
+
+
 def test_clear_on_the_way_down_keeps_the_first_fault() -> None:
     firmware = tracking(SETTINGS)
     firmware.fail(BoardFault.AMPLIFIER, samples=3)

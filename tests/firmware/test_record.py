@@ -154,3 +154,23 @@ def test_a_start_that_would_not_be_taken_is_not_answered_by_done() -> None:
     firmware.run(np.full(2, 2.0))
     assert firmware.state is State.FALL
     assert code(firmware, Command.REQUEST, start) == 3
+
+
+def test_a_request_that_waits_for_the_interrupt_gives_way_to_stop_only() -> None:
+    """STOP behind it was lost, CLEAR too."""
+    firmware, _ = board()
+    firmware.request(Request.START)
+    firmware.run(np.full(200, 2.0))
+    for asked, answer in (("CLEAR", 0), ("START", 3), ("CLEAR", 0), ("STOP", 0), ("START", 3), ("CLEAR", 3)):
+        assert code(firmware, Command.REQUEST, bytes([Request[asked]])) == answer
+    firmware.run(np.full(2, 2.0))
+    assert firmware.state is State.FALL
+
+
+def test_a_table_whose_play_ended_early_is_a_record_and_is_not_played_again() -> None:
+    firmware, client = board(Settings(ramp_V=0.5, high_V=60.0))
+    with pytest.raises(HysgenError, match="row 2 of 4"):
+        client.record(np.arange(4) * TS_S, EDGE_V)
+    firmware.request(Request.RECORD)
+    firmware.run(np.full(9, 2.0))
+    assert firmware.state is State.OFF

@@ -68,6 +68,19 @@ def test_an_approach_that_never_arrives_is_a_fault() -> None:
     assert firmware.board.output_V == settings.off_V
 
 
+def test_clear_is_taken_where_settings_were_refused_and_starts_nothing() -> None:
+    """The request waited for ever, and with it all that is answered at rest only."""
+    firmware = booted(Settings(step_V=99.0))
+    firmware.boot(power_on=False)
+    firmware.request(Request.CLEAR)
+    firmware.run(np.full(2, REFERENCE_UM))
+    assert (firmware.firmware.controller.request, firmware.firmware.controller.clears) == (0, 1)
+    assert firmware.first_fault == firmware.status == FirmwareStatus.FAULT_SETTINGS
+    firmware.request(Request.START)
+    firmware.run(np.full(2, REFERENCE_UM))
+    assert (firmware.state, firmware.firmware.controller.request) == (State.TRIPPED, 0)
+
+
 def test_a_fall_after_a_fault_that_takes_too_long_ends_at_the_largest_rate() -> None:
     firmware = tracking(Settings(state_samples=6000, ramp_V=0.03))
     firmware._settings.ramp_V = 1e-8  # which hysgen_settings_check refuses

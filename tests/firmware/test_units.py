@@ -66,7 +66,7 @@ RANGES = {
     "step_V": (LEAST, (HIGH_V - LOW_V) / 16),
     "ramp_V": (140 / ROOMY.state_samples, ROOMY.step_V),
     "loop_low_V": (LOW_V, HIGH_V),
-    "loop_high_V": (LEAST, HIGH_V),
+    "loop_high_V": ((HIGH_V - LOW_V) / 64, HIGH_V),
     "offset_um": (LEAST, RANGE_UM),
     "reference_step_um": (LEAST, RANGE_UM),
     "follow_um": (0.0, RANGE_UM),
@@ -105,6 +105,21 @@ def test_the_loop_keeps_to_the_limits_of_the_output_where_they_are_the_narrower_
     assert wrong_field(narrow) is None
     assert wrong_field(replace(narrow, loop_low_V=9.9)) == "loop_low_V"
     assert wrong_field(replace(narrow, loop_high_V=60.1)) == "loop_high_V"
+
+
+def test_the_limits_of_the_output_are_inside_the_converters_range_as_calibrated() -> None:
+    """What is beyond it the converter leaves out, and tells nobody."""
+    narrow = replace(ROOMY, low_V=-19.0, high_V=114.0)
+    for calibration in ({"output_gain": 1.05}, {"output_zero_V": 5.0}):
+        assert wrong_field(replace(narrow, **calibration)) is None
+        assert wrong_field(replace(ROOMY, **calibration)) in ("low_V", "high_V")
+
+
+def test_a_loop_of_no_stroke_is_refused() -> None:
+    """A sensor that repeats its reading has the stroke of such a loop."""
+    least_V = (HIGH_V - LOW_V) / 64
+    for stroke_V, told in ((0.0, "loop_high_V"), (0.99 * least_V, "loop_high_V"), (1.01 * least_V, None)):
+        assert wrong_field(replace(ROOMY, loop_low_V=30.0, loop_high_V=30.0 + stroke_V)) == told
 
 
 def test_every_option_may_be_set_and_a_fifth_is_refused() -> None:

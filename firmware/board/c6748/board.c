@@ -97,7 +97,10 @@ float hysgen_board_displacement_um(board_t *board)
         const uint32_t code = (uint32_t)word ^ 0x8000u;
         const int32_t steps = (int32_t)code - 0x8000;
 
-        reading_um = board->adc_zero_um + board->adc_step_um * (float)steps;
+        /* At a rail it is none, whatever the calibration makes of it. */
+        if ((code != 0u) && (code != 0xFFFFu)) {
+            reading_um = board->adc_zero_um + board->adc_step_um * (float)steps;
+        }
 #if BOARD_READS_BACK
         board->read_back = (uint32_t)chip_bus_read(BOARD_ADC_ADDRESS) ^ 0x8000u;
 #endif

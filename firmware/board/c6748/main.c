@@ -3,6 +3,7 @@
 
 #include <stddef.h>
 
+#include "bytes.h"
 #include "chip.h"
 #include "console.h"
 #include "firmware.h"
@@ -112,11 +113,11 @@ static void main_print_boot(const firmware_t *firmware)
         hysgen_console_text("\r\n");
     }
     hysgen_console_text("parameters: ");
-    if (firmware->store.counter == 0u) {
+    if (firmware->store.slot == STORE_NONE) {
         hysgen_console_text("built in\r\n");
     } else {
         hysgen_console_text("image ");
-        hysgen_console_number(firmware->store.counter);
+        hysgen_console_number(bytes_word(&firmware->store.bytes[4u * IMAGE_COUNTER]));
         hysgen_console_text("\r\n");
     }
     if ((firmware->image_status & STATUS_IMAGE_FALLBACK) != 0u) {

@@ -27,7 +27,7 @@ static uint32_t powered(board_t *board)
     return 1u;
 }
 
-/* The interrupts that come while the idle loop is inside the store. */
+/* The interrupts that come while the idle loop is inside the store or reads the line. */
 static void preempted(board_t *board)
 {
     if (board->preempt != NULL) {
@@ -148,6 +148,9 @@ uint32_t hysgen_board_line_read(board_t *board, uint8_t *bytes, uint32_t room)
 {
     const uint32_t count = (board->incoming_count < room) ? board->incoming_count : room;
 
+    if (board->preempts_line != 0u) {
+        preempted(board);
+    }
     if (count != 0u) {
         memcpy(bytes, board->incoming, count);
         board->incoming += count;

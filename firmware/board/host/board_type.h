@@ -67,6 +67,7 @@ typedef struct board {
     uint32_t alive;             /* calls of hysgen_board_alive */
     uint8_t store[2][4096];
     void (*preempt)(void *with);  /* called while the store erases and after it has written, or NULL */
+    uint32_t preempts_line;     /* and before each byte is read from the line */
     void *preempt_with;
     uint32_t bytes_to_cut;      /* bytes that the store still changes before the power fails, or HOST_NO_CUT */
 } board_t;
