@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from hysgen.display import Displayed, Summary
 from hysgen.errors import ModelError
 from hysgen.feedback import design
-from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gain
+from hysgen.feedback.design import Notch, bandwidths_Hz, best_filter, filter_block, largest_gains
 from hysgen.feedback.stage import LATENCY, Uncertainty, draws, frequencies, inverse, lines, modes_of, response, stage
 from hysgen.machine.reproducible import spectral_radius
 from hysgen.model.feedback import Feedback
@@ -29,8 +29,8 @@ from hysgen.model.path.structure import Structure
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-SEARCHED = 24
-"""Draws for which the filter is searched; the integral is then that which all draws allow."""
+SEARCHED, WORST, ROUNDS = 24, 8, 4
+"""Draws for which the filter is searched first, those that join them after a search, and searches."""
 
 LEAST_KEPT = 0.5
 """Share of the integral of a loop that a model identified again must allow."""
@@ -171,7 +171,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float, before: Feedba
     stages = np.array([response(chain, z) for chain in chains]) * (response(known, z) * 0.5 * (z + 1.0) / (z - 1.0))
     wide = [(f, 2.0 * given.frequency) for f, _ in modes]
     starts = (ringing, wide, sorted([*ringing, *wide]))
-    notches = () if before else best_filter(stages[:SEARCHED], f_Hz, model.Ts_s, starts)
+    notches = () if before else _notches(stages, f_Hz, model.Ts_s, starts)
     block = before.filter if before else filter_block(notches, model.Ts_s)
     filters = [] if block is None else [block.state_space(model.Ts_s)]
     loops = stages * response(filters, z)
@@ -203,8 +203,31 @@ def design_loop(model: Model, given: Uncertainty, latency: float, before: Feedba
     return LoopDesign(name, Ts_s, gain, notches, latency, given, first_Hz, certificate, f_Hz, band, phase_deg, steps)
 
 
+def _notches(
+    stages: Complex, f_Hz: Floats, Ts_s: float, starts: Sequence[Sequence[tuple[float, float]]]
+) -> tuple[Notch, ...]:
+    """The filter of the largest least bandwidth over all draws, () where none is better than the integral alone.
+
+    Few draws are searched, and may miss the one that bounds the integral: those that allow the least join them.
+    """
+    z = np.exp(2j * math.pi * f_Hz * Ts_s)
+    searched, bare_Hz = list(range(SEARCHED)), bandwidths_Hz(largest_gains(stages).min() * stages, f_Hz)
+    best: tuple[float, tuple[Notch, ...]] = float(bare_Hz.min()), ()
+    for _ in range(ROUNDS):
+        notches = best_filter(stages[searched], f_Hz, Ts_s, starts)
+        block = filter_block(notches, Ts_s)
+        loops = stages * response([] if block is None else [block.state_space(Ts_s)], z)
+        gains = largest_gains(loops)
+        best = max(best, (float(bandwidths_Hz(gains.min() * loops, f_Hz).min()), notches), key=lambda pair: pair[0])
+        worst = [int(row) for row in np.argsort(gains, kind="stable")[:WORST] if row not in searched]
+        if not worst:
+            break
+        searched += worst
+    return best[1]
+
+
 def _gain(loops: Complex, model: Model) -> float:
-    gain = largest_gain(loops)
+    gain = float(largest_gains(loops).min())
     if not 0.0 < gain < math.inf:
         raise ModelError(f"{model.name}: no loop around this model keeps its margins; state a smaller uncertainty")
     return gain

@@ -87,11 +87,11 @@ def filter_block(notches: tuple[Notch, ...], Ts_s: float) -> Structure | None:
     return Structure(f_Hz, zeta, share, Ts_s / 40.0, quadrature, Ts_s)
 
 
-def largest_gain(loops: Complex) -> float:
-    """The largest K with which no row of K loops, (draws, frequencies), enters the ellipse or passes above it."""
+def largest_gains(loops: Complex) -> Floats:
+    """(draws,) Largest K with which a row of K loops, (draws, frequencies), stays out of the ellipse and below it."""
     away = np.abs(np.angle(-loops, deg=True)) / PHASE_MARGIN_DEG
     limit_dB = -GAIN_MARGIN_DB * np.sqrt(np.maximum(1.0 - away**2, 0.0))
-    return float(np.min(np.where(away < 1.0, 10.0 ** (limit_dB / 20.0) / np.abs(loops), np.inf)))
+    return np.asarray(np.where(away < 1.0, 10.0 ** (limit_dB / 20.0) / np.abs(loops), np.inf).min(axis=1))
 
 
 def bandwidths_Hz(loops: Complex, f_Hz: Floats) -> Floats:
@@ -123,7 +123,7 @@ def best_filter(
             return 0.0
         zeros, poles, k = zpk(notches, Ts_s)
         loops = stages * k * np.prod(z - zeros[:, None], axis=0) / np.prod(z - poles[:, None], axis=0)
-        return float(bandwidths_Hz(largest_gain(loops) * loops, f_Hz).min())
+        return float(bandwidths_Hz(largest_gains(loops).min() * loops, f_Hz).min())
 
     def of(x: Floats) -> tuple[Notch, ...]:
         v, n, w, d = np.exp(x.reshape(-1, 4)).T
