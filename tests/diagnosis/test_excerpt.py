@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, excerpt, remembered
+from hysgen.diagnosis.excerpt import BLOCKS, LONG, MOST_SAMPLES, remembered
+from hysgen.diagnosis.excerpt import excerpt as chosen_excerpt
 from hysgen.diagnosis.probe import Chain, Operator, Part, Scene, Trace, linear_fit
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.disturbances.periodic import Periodic
@@ -25,6 +26,10 @@ COARSE = 3e-3
 def long_scene(u_V: NDArray[np.float64], y_um: NDArray[np.float64] | None = None) -> Scene:
     run = Trace(u_V, np.zeros(len(u_V)) if y_um is None else y_um, {})
     return Scene((run,), TS_S, np.arange(900, len(u_V) - 2), Operator(float(u_V.min()), float(u_V.max())))
+
+
+def excerpt(scene: Scene, lag: float) -> Scene:
+    return chosen_excerpt(scene, lag, lambda: np.concatenate([run.y_um for run in scene.runs]))
 
 
 @pytest.fixture(scope="module")
@@ -139,3 +144,16 @@ def test_blocks_prefer_steps_to_slow_movement() -> None:
     blocks = excerpt(long_scene(u_V), 3.0)
     seen = np.round(blocks.time_s[: sum(len(run.u_V) for run in blocks.runs if run.stride == 1)] / TS_S)
     assert np.isin(steps, seen).sum() >= 3
+
+
+def test_a_small_chirp_that_rings_a_mode_is_in_a_block(whole: Scene) -> None:
+    """What is left is large and slow everywhere, jumps once, and rings in one place, where the command is calm."""
+    at = np.arange(SAMPLES)
+    left_um = 0.5 * np.sin(at / 5000.0) + 0.4 * (at > 90_000)
+    rings = slice(52_000, 56_000)
+    left_um[rings] += 0.05 * np.sin(2.1 * at[rings])
+    u_V = whole.runs[0].u_V.copy()
+    u_V[50_000:58_000] = np.linspace(u_V[50_000], u_V[58_000], 8000)
+    blocks = excerpt(long_scene(u_V, left_um), 3.0)
+    seen = np.round(blocks.time_s[: sum(len(run.u_V) for run in blocks.runs if run.stride == 1)] / TS_S)
+    assert np.isin(at[rings], seen).sum() > 800

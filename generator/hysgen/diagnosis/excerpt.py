@@ -9,6 +9,7 @@ start of the segment, so lines keep their phase from run to run.
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,9 +24,9 @@ Rows = NDArray[np.intp]
 
 _NO_ROWS: Rows = np.zeros(0, dtype=np.intp)
 
-LONG, LONG_DRIVEN, MOST_SAMPLES = 100_000, 200_000, 12_000
+LONG, LONG_DRIVEN, MOST_SAMPLES = 100_000, 200_000, 14_000
 """Samples of a record above which the search looks at an excerpt, the same of one with several drives, and samples of
-the excerpt; 8000 of them are fitted (`search.MOST_ROWS`). Six blocks cannot hold everything that excites a record: an
+the excerpt; 8000 of them are fitted (`search.MOST_ROWS`). Seven blocks cannot hold everything that excites a record: an
 excerpt of the bundled record misses its delay and its mode. So only records are shortened whose search would take
 minutes. The modes of several drives are identified from whole segments alone (`causes.modes`)."""
 
@@ -33,8 +34,8 @@ FAST = 0.05
 """Least step of a channel between two samples, as a share of its spread (rms both), that makes it a drive: a line of
 a hundredth of the sampling rate steps by 0.06. Temperatures and slow sensors stay below."""
 
-BLOCKS = 6
-"""Blocks of an excerpt: enough to tell a ramp from a course that slows down."""
+BLOCKS = 7
+"""Blocks of an excerpt: six are enough to tell a ramp from a course that slows down, one is where most is left."""
 
 COARSE_SHARE = 0.5
 """Share of MOST_SAMPLES that a coarse run takes; the blocks are then shorter by this share."""
@@ -80,11 +81,13 @@ class _Block:
     covers: frozenset[int]
 
 
-def excerpt(scene: Scene, lag: float) -> Scene:
+def excerpt(scene: Scene, lag: float, left_um: Callable[[], Floats]) -> Scene:
     """The scene on parts of its samples; the scene itself if it has at most LONG. lag: in samples.
 
-    The first and the last block are those of the first and last fitted rows; each further one has the fastest classes
-    of level and rate that the blocks before it lack, and of several such blocks it is the farthest from them.
+    left_um: what a quasi-static fit leaves, (samples,) of the scene; asked for if the record is long.
+    The first and the last block are those of the first and last fitted rows, the third is that in which most is left
+    that changes within a lag, as a mode does under a small chirp; each further one has the fastest classes of level and
+    rate that the blocks before it lack, and of several such blocks it is the farthest from them.
     """
     length = max(MOST_SAMPLES // BLOCKS, math.ceil(FADING_LAGS * lag / LONGEST_FADING))
     if scene.samples <= max(LONG_DRIVEN if _driven(scene) else LONG, BLOCKS * length):
@@ -95,6 +98,10 @@ def excerpt(scene: Scene, lag: float) -> Scene:
         length = max(round((1.0 - COARSE_SHARE) * length), math.ceil(fading / LONGEST_FADING))
     left = _blocks(scene, length, fading)
     chosen = [left.pop(0), left.pop(-1)]
+    if left:
+        error_um, firsts = left_um(), np.cumsum([0, *(len(run.u_V) for run in scene.runs)])
+        chosen.append(max(left, key=lambda block: _moved_um(error_um[firsts[block.segment] :], block, lag)))
+        left.remove(chosen[-1])
     while len(chosen) < BLOCKS and left:
         covered = frozenset[int]().union(*(block.covers for block in chosen))
         best = max(left, key=lambda block: (_worth(block.covers - covered), _distance(block, chosen)))
@@ -200,6 +207,14 @@ def _blocks(scene: Scene, length: int, fading: int) -> list[_Block]:
                     found.append(_Block(number, first, last, frozenset(kind[rows].tolist())))
         offset += n
     return found
+
+
+def _moved_um(error_um: Floats, block: _Block, lag: float) -> float:
+    """Median of how far an error, (n,) from the start of the segment, moves within a lag; a jump does not count."""
+    samples = math.ceil(lag) + 1
+    windows = (block.last - block.first) // samples
+    part = error_um[block.first : block.first + windows * samples].reshape(windows, samples)
+    return float(np.median(np.ptp(part, axis=1)))
 
 
 def _worth(classes: frozenset[int]) -> float:

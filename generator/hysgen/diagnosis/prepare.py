@@ -162,7 +162,11 @@ class Prepared:
 
     def excerpt(self) -> Scene:
         """The scene, or the blocks of its rows to which the search looks (`excerpt`)."""
-        return excerpt(self.scene(), self.lag)
+
+        def left_um() -> Floats:
+            return (self.y_um - _quasi_static(self.record, self.training_rows, self.lag)[0])[: self.cut]
+
+        return excerpt(self.scene(), self.lag, left_um)
 
     def scene(self, whole: bool = False) -> Scene:
         """The identification part, as the probe is fitted to it. whole: with the held-out rows."""
@@ -184,10 +188,15 @@ def predicted_range_um(record: Record, rows: Rows, lag: float) -> tuple[float, f
     The range of the quasi-static fit, widened at both ends by twice the rms of its residual. The displacement measured
     on `rows` is not enough: a later plateau can lie beyond it, and a model is undefined outside its grid.
     """
+    y_um, residual_um = _quasi_static(record, rows, lag)
+    return float(y_um.min()) - 2.0 * residual_um, float(y_um.max()) + 2.0 * residual_um
+
+
+def _quasi_static(record: Record, rows: Rows, lag: float) -> tuple[Floats, float]:
+    """The fit of `predicted_range_um` to the rows `rows`: (n,) of the whole record, and rms of its residual there."""
     columns = _quasi_static_columns(_lagged(record, lag))
     weights, residual_um = _fitted(columns[:, rows], _y_um(record)[rows])
-    y_um = weights @ columns
-    return float(y_um.min()) - 2.0 * residual_um, float(y_um.max()) + 2.0 * residual_um
+    return weights @ columns, residual_um
 
 
 def quasi_static_lag(record: Record, rows: Rows) -> float:
