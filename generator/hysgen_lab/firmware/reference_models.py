@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+import hysgen
 from hysgen.firmware.binding import with_learner
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.machine.files import write_whole
@@ -37,6 +38,8 @@ CAUTIOUS: Final = Feedback(0.004, 0.25)
 designs of such a model is thirty times as large, and the stage would not bear it."""
 TRAINS: Final = ((100.0, 10), (50.0, 7), (25.0, 4), (10.0, 3))
 HOLD_S, TRAVEL_S = 0.5, 0.006
+CHIRP_V, CHIRP_HZ, CHIRP_S = 1.5, (300.0, 1500.0), 0.5
+"""A chirp small enough for the amplifier, past the mode of the stage, in the record that is diagnosed."""
 
 
 def laboratory() -> Stage:
@@ -68,6 +71,22 @@ def extended_drive() -> Floats:
             _transition(middle_V, LOW_V, 0.02),
         ]
     )
+
+
+def diagnosed_drive() -> Floats:
+    """Input of the record that is diagnosed, (n,) in V: a chirp in the middle of the range, then that of `extended`."""
+    middle_V, samples = 0.5 * (LOW_V + HIGH_V), round(CHIRP_S / TS_S)
+    time_s = np.arange(samples) * TS_S
+    turns = CHIRP_HZ[0] * time_s + 0.5 * (CHIRP_HZ[1] - CHIRP_HZ[0]) / CHIRP_S * time_s**2
+    chirp_V = middle_V + CHIRP_V * np.hanning(samples) ** 0.25 * np.sin(2.0 * np.pi * turns)
+    covered = [_transition(LOW_V, HIGH_V, 0.05), _transition(HIGH_V, middle_V, 0.03)]
+    return np.concatenate([*covered, chirp_V, _transition(middle_V, LOW_V, 0.03), extended_drive()])
+
+
+def diagnosed() -> Model:
+    """What `diagnose` delivers of that record, with a learner and the feedback that `hysgen loop` designs around it."""
+    model = with_learner(hysgen.diagnose(measured(diagnosed_drive())).model)
+    return hysgen.design_loop(model).around(model)
 
 
 def driven(drive_V: Floats, seed: int) -> tuple[StageState, Floats]:

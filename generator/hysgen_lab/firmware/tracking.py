@@ -22,6 +22,8 @@ from hysgen.model.path import preview
 from hysgen.model.rivals import fit_proportional
 from hysgen_lab.firmware.reference_models import (
     TS_S,
+    diagnosed,
+    diagnosed_drive,
     driven,
     extended,
     extended_drive,
@@ -79,7 +81,8 @@ def track(seconds: float = SECONDS, progress: Progress | None = None) -> tuple[l
     Raises HysgenError if a firmware does not start, FitError if a fit fails, BuildError if a compilation fails.
     """
     results: list[TrackingResult] = []
-    total = len(FREQUENCIES_HZ) * 5
+    of_diagnosis = diagnosed_controllers()
+    total = len(FREQUENCIES_HZ) * (5 + len(of_diagnosis))
 
     def report(fraction: float, what: str) -> None:
         if progress is not None:
@@ -88,7 +91,7 @@ def track(seconds: float = SECONDS, progress: Progress | None = None) -> tuple[l
     for f_Hz in FREQUENCIES_HZ:
         report(0.0, f"proportional, {f_Hz:g} Hz")
         results.append(_proportional(f_Hz, seconds))
-        for controller in controllers(f_Hz):
+        for controller in (*controllers(f_Hz), *of_diagnosis):
             results.append(run_controller(controller, f_Hz, seconds, report))
     return results, sensor_noise_nm()
 
@@ -109,6 +112,16 @@ def controllers(f_Hz: float) -> list[Controller]:
         Controller("extended inverse", model, settings, drive_V),
         Controller("extended, feedback", model, replace(settings, loop=True), drive_V),
         Controller("extended, learning", model, replace(settings, learn=True), drive_V),
+    ]
+
+
+def diagnosed_controllers() -> list[Controller]:
+    """What a diagnosis of one record delivers, alone and with the loop that is designed around it."""
+    model, drive_V = diagnosed(), diagnosed_drive()
+    settings = settings_for(model)
+    return [
+        Controller("diagnosed inverse", model, settings, drive_V),
+        Controller("diagnosed, loop", model, replace(settings, loop=True), drive_V),
     ]
 
 

@@ -17,7 +17,7 @@ from hysgen.model.file import load_model
 from hysgen_c674x.firmware.simulated import compile_image, simulate, static_bounds
 from hysgen_c674x.firmware.target import MEMORIES, link_image
 from hysgen_lab.firmware.reference_models import firmware_models
-from hysgen_lab.firmware.tracking import controllers, run_controller
+from hysgen_lab.firmware.tracking import controllers, diagnosed_controllers, run_controller, sensor_noise_nm
 
 FOLDERS = Path(__file__).resolve().parents[3] / "firmware" / "models"
 PAGE = FOLDERS.parents[1] / "docs" / "firmware_results.md"
@@ -126,6 +126,13 @@ def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> Non
     # `python -m hysgen_lab track` prints the result of 10 s at both frequencies.
     assert extended.rms_nm < 10.0
     assert trimmed.rms_nm < extended.rms_nm
+
+
+@pytest.mark.proof
+@pytest.mark.slow
+def test_a_record_its_diagnosis_and_its_loop_track_to_twice_the_noise() -> None:
+    alone, looped = (run_controller(controller, 50.0, 0.5) for controller in diagnosed_controllers())
+    assert looped.rms_nm < min(2.0 * sensor_noise_nm(), 0.2 * alone.rms_nm)
 
 
 def test_what_the_firmware_cannot_drive_is_refused_with_the_reason() -> None:

@@ -241,24 +241,19 @@ def quotient_error(product: Enclosed, ratio: Interval) -> Floats:
     return _counted(off + _half_bit(ratio.size + off))
 
 
-def slopes(tape: Tape, slopes_of: Mapping[int, Interval]) -> list[Interval]:
-    """Slopes by every number up to the last of a sum of numbers, whose places and factors are given."""
-    last = max(slopes_of)
-    zero = np.zeros_like(slopes_of[last].low)
-    all_slopes = [slopes_of.get(place, Interval(zero, zero)) for place in range(last + 1)]
-    for number in reversed(tape.numbers[: last + 1]):
-        for place, derivative in number.operands:
-            all_slopes[place] = all_slopes[place] + all_slopes[number.place] * derivative
-    return all_slopes
-
-
 def _propagated(tape: Tape, slopes_of: Mapping[int, Interval]) -> Floats:
     """Bound of the error of a sum of numbers by their places, each with its factor."""
-    known, rounding = Interval(np.zeros(1), np.zeros(1)), np.zeros(1)
-    for slope, number in zip(slopes(tape, slopes_of), tape.numbers, strict=False):
+    last = max(slopes_of)
+    zero = np.zeros_like(slopes_of[last].low)
+    slopes = [slopes_of.get(place, Interval(zero, zero)) for place in range(last + 1)]
+    known, rounding = Interval(zero, zero), zero
+    for number in reversed(tape.numbers[: last + 1]):
+        slope = slopes[number.place]
         rounding = rounding + slope.size * number.rounding
         if number.known is not None:
             known = known + slope * number.known
+        for place, derivative in number.operands:
+            slopes[place] = slopes[place] + slope * derivative
     return _counted(known.size + rounding)
 
 
