@@ -85,6 +85,15 @@ def committed(host: Host, model: Model, y_um: Floats, u_V: Floats) -> tuple[Comm
     return answer, float(one_step), float(free_run)
 
 
+def over(host: Host, model: Model, stage: tuple[float, float]) -> list[tuple[Commit, float, float]]:
+    """`committed` of a stage for every excitation and every noise."""
+    return [
+        committed(host, model, measured_um(model, u_V, stage, noise_um), u_V)
+        for shape, noise_um in itertools.product(EXCITATIONS.values(), NOISE_UM)
+        for u_V in [50.0 + 60.0 * shape(TIMES_S)]
+    ]
+
+
 def main() -> None:
     """Print one row for each setting of the learner and each stage."""
     from fixtures.generated_models import smooth
@@ -94,11 +103,7 @@ def main() -> None:
         model = dataclasses.replace(smooth(6), learner=LearnerSettings(forgetting=forgetting))
         host = Host(model.name, generate(model, Options(clock_Hz=1e10)), Toolchain("cc", ("-O1",)))
         for name, stage in STAGES.items():
-            rows = [
-                committed(host, model, measured_um(model, u_V, stage, noise_um), u_V)
-                for shape, noise_um in itertools.product(EXCITATIONS.values(), NOISE_UM)
-                for u_V in [50.0 + 60.0 * shape(TIMES_S)]
-            ]
+            rows = over(host, model, stage)
             made = np.array([ratios for answer, *ratios in rows if answer == Commit.COMMITTED]).reshape(-1, 2)
             (ahead, free), (most_ahead, most_free) = (made > 1.0).sum(axis=0), made.max(axis=0, initial=0.0)
             print(
