@@ -231,6 +231,17 @@ def test_a_refusal_behind_a_clear_is_told() -> None:
     assert FirmwareStatus.IMAGE_REFUSED in firmware.status
 
 
+def test_memory_that_keeps_another_bit_than_it_was_given_is_told_and_changes_nothing() -> None:
+    firmware = booted()
+    old, slot = firmware.bank(), firmware.slot(0)
+    ffi = firmware.image.library.ffi
+    flip = ffi.callback("void(void *)", lambda _: ffi.memmove(slot, bytes(slot[:80]) + bytes([slot[80][0] ^ 1]), 81))
+    firmware.board.preempt = flip
+    assert firmware.send(encode(changed(STIFFER), KEY)) == 3, ANSWERS[3]
+    firmware.boot()
+    assert (firmware.bank(), firmware.firmware.store.counter) == (old, 0)
+
+
 def test_stray_bytes_behind_a_waiting_image_do_no_harm() -> None:
     firmware, data = tracking(), encode(changed(STIFFER), KEY)
     good = firmware.bank()

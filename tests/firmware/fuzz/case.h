@@ -28,7 +28,8 @@ typedef struct {
     uint32_t spoiled;          /* START did not begin with the built-in parameters, or a fault of the board came since */
     uint32_t untold;           /* interrupts in a row in which the drift is too large and no fault is told */
     uint32_t same_bits;        /* reading that changed last, */
-    float same_V;              /* voltage then, */
+    float same_V;              /* voltage then, or when the output last rested, */
+    float taken_V;             /* and then, */
     uint32_t same;             /* and readings since then */
     uint32_t sent;             /* bit i: image i was sent whole since the store last acknowledged an image */
     uint32_t stored;           /* image that the store acknowledged last, FUZZ_IMAGES: none */

@@ -99,6 +99,9 @@ static void watch_sensor(fuzz_t *self, float y_um, float before_V)
     self->lied = (off != 0u) ? 0u : self->lied;
     self->lied |= (uint32_t)(fault == HOST_FAULT_STUCK)
         | ((uint32_t)(fault == HOST_FAULT_READING) & believable(self, self->board.fault_value));
+    if ((believable(self, y_um) != 0u) && (number_bits(y_um) != self->same_bits)) {
+        self->taken_V = before_V;
+    }
     if ((off != 0u) || ((believable(self, y_um) != 0u) && (number_bits(y_um) != self->same_bits))) {
         self->same_bits = number_bits(y_um);
         self->same_V = before_V;
@@ -108,13 +111,15 @@ static void watch_sensor(fuzz_t *self, float y_um, float before_V)
     }
 }
 
-/* A reading that repeats itself is a fault once the input has moved by WATCHDOG_STUCK_V since it was taken: a jump at its second sample. */
+/* A reading that repeats itself is a fault once the input has moved by WATCHDOG_STUCK_V since it was taken, a jump at its second sample, or since
+ * a CLEAR at rest. It may have been taken on the way down before: the fuzzer found one. */
 static uint32_t broken_stuck(const fuzz_t *self, float before_V)
 {
     const controller_t *controller = &self->firmware.controller;
     const settings_t *s = &self->settings;
-    const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK + 1u)
-        & (uint32_t)(number_size(before_V - self->same_V) > WATCHDOG_STUCK_V + s->step_V + ROUNDING_V);
+    const float least_V = WATCHDOG_STUCK_V + s->step_V + ROUNDING_V;
+    const uint32_t must = (uint32_t)(self->same > WATCHDOG_STUCK + 1u) & (uint32_t)(number_size(before_V - self->same_V) > least_V)
+        & (uint32_t)(number_size(before_V - self->taken_V) > least_V);
     const uint32_t told = (uint32_t)((controller->status & STATUS_FAULTS) != 0u);
 
     return ((must != 0u) && (told == 0u)) ? FUZZ_STUCK : 0u;
@@ -238,6 +243,7 @@ static void boot(fuzz_t *self)
     self->lied = 0u;
     self->same_bits = number_bits(self->board.reading_um);
     self->same_V = self->board.output_V;
+    self->taken_V = self->board.output_V;
     self->same = 0u;
     self->before = (uint32_t)self->firmware.controller.state;
     self->status = self->firmware.controller.status;
