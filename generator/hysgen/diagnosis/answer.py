@@ -21,7 +21,7 @@ from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.identifiability import Ability
 from hysgen.diagnosis.ladder import Gain, left_by
 from hysgen.diagnosis.prepare import Prepared
-from hysgen.diagnosis.probe import Chain, Scene, single_fit
+from hysgen.diagnosis.probe import Chain, single_fit
 from hysgen.diagnosis.search import thinned
 from hysgen.model.model import Model
 from hysgen.model.remaining import Remaining, Taken
@@ -281,9 +281,8 @@ def left_over(
     falling: what a hysteresis that may fall leaves, asked where something is left, the stage remembers, and the probe,
     which is bound to no form, leaves less.
     """
-    scene = prepared.scene(whole=True)
-    known = scene.rows[scene.rows < prepared.cut]
-    probe = left_by(prepared, extensions, _probe_error_um(scene, known, chain), model, finer=True)
+    known, error_um = _probe_error_um(prepared, chain)
+    probe = left_by(prepared, extensions, error_um, model, finer=True)
     reason = _reason(model.rms_um, probe.rms_um, noise_um, _beyond(prepared, known))
     worth_um = WORTH_ANOTHER_FORM * model.rms_um
     left = model.rms_um > AT_THE_NOISE * noise_um and probe.rms_um <= worth_um
@@ -292,12 +291,14 @@ def left_over(
     return Left(model.rms_um, model.rms_um / max(noise_um, 1e-300), probe.rms_um, reason, model.taken)
 
 
-def _probe_error_um(scene: Scene, known: Rows, chain: Chain) -> Floats:
-    """(n,) yhat - y of a chain over all rows, its weights fitted to the known rows, those of the identification part.
+def _probe_error_um(prepared: Prepared, chain: Chain) -> tuple[Rows, Floats]:
+    """The rows of the identification part that the probe knows, and (n,) yhat - y of a chain fitted to them.
 
     Slow changes that the models are fitted without are parts of the chain, and so are no part of this error.
     """
-    return -single_fit(thinned(scene.using(known)), chain).error
+    scene = prepared.scene(whole=True)
+    known = scene.rows[scene.rows < prepared.cut]
+    return known, -single_fit(thinned(scene.using(known)), chain).error
 
 
 def _beyond(prepared: Prepared, known: Rows) -> str:

@@ -72,8 +72,8 @@ FORGOTTEN = 1e-3
 LATEST = 0.8
 """Largest share of a held-out segment that is not scored because of its unknown past."""
 
-MOST_PATHS = 4
-"""Cached columns of paths: some 50 for every sample."""
+PATHS, PATHS_BYTES = 1, 60_000_000
+"""Cached columns of paths, some 50 for every sample of the windows; more of them up to this size."""
 
 MOST_CHECKED = 100
 """Cached cross-validation errors; a diagnosis needs about 50."""
@@ -107,7 +107,7 @@ class Prepared:
     use: NDArray[np.int8]
     lag: float
     checked: LruCache[tuple[Rows, Floats]] = field(default_factory=lambda: LruCache(MOST_CHECKED))
-    paths: LruCache[PathColumns] = field(default_factory=lambda: LruCache(MOST_PATHS))
+    paths: LruCache[PathColumns] = field(default_factory=lambda: LruCache(PATHS, PATHS_BYTES))
 
     @cached_property
     def training_rows(self) -> Rows:

@@ -206,7 +206,7 @@ def name_causes(
     limits = with_time_for(lacks, Limits.of(prepared.u_V[: prepared.cut], prepared.record.Ts_s))
     return Naming(
         prepared,
-        found,
+        dataclasses.replace(found, scene=found.scene.bare()),  # its columns are no longer needed
         whole,
         signatures,
         _extensions(found, whole, agreed),
@@ -319,11 +319,10 @@ def _scored(
     held = prepared.held_rows
     last = _left(naming, rungs[-1], None)
     # Wrong readings and sudden changes of the record are those that the last rung shows.
-    found = [*(_left(naming, rung, last) for rung in rungs[:-1]), last]
-    counted = np.concatenate(found[-1].counted)
+    others = (np.concatenate(_left(naming, rung, last).error_um) for rung in rungs[:-1])
+    own_um = [*others, np.concatenate(last.error_um)]
     gates = [any(naming.extensions[name].gate for name in rung.causes) for rung in rungs]
-    clean = np.flatnonzero(counted)
-    own_um = [np.concatenate(left.error_um) for left in found]
+    clean = np.flatnonzero(np.concatenate(last.counted))
     cold = [rms(rung.error_um[clean if gate else held]) for rung, gate in zip(rungs, gates, strict=True)]
     # Wrong readings count until a rung rejects them.
     rows = [clean if gate or not any(gates) else held for gate in gates]
@@ -387,10 +386,10 @@ def _scored(
             prepared,
             naming.found.fit.chain,
             naming.extensions,
-            found[-1],
+            last,
             noise.rms_um,
             "memory" in agreed,
-            lambda: _left(naming, _rung(naming, falling, agreed), found[-1]),
+            lambda: _left(naming, _rung(naming, falling, agreed), last),
         ),
         noise=noise,
         persistence_um=rms(steps[held]),

@@ -34,6 +34,9 @@ Floats = NDArray[np.float64]
 SEARCHED = -1.0
 """Relaxation of a `PathSize` that the fit finds."""
 
+LONG_PATH = 200_000
+"""Samples of a path above which what is summed is formed one after the other: Duhem states take 80 bytes a sample."""
+
 PLACES_PER_DEGREE = 4
 """Places per degree at which the slope of a polynomial is required: between them a slope of degree n is at most
 1 / cos(pi/8) - 1 = 8 % of its largest value below 0."""
@@ -123,9 +126,16 @@ class Operator:
         """(n,) weights @ columns(u_V, start), for weights, (size,): a third of the time of the columns."""
         v, begin, basis = self._along(u_V, start)
         duhem = self.size - 2 * len(self.reaches)
+        h = preisach_path(v, begin, basis, weights[:duhem])
+        if len(v) > LONG_PATH:
+            for j, reach in enumerate(self.reaches):
+                states = np.empty((2, len(v)))
+                duhem_columns(states, v, np.array([reach]))
+                h += weights[duhem + 2 * j : duhem + 2 * j + 2] @ states
+            return h
         states = np.empty((2 * len(self.reaches), len(v)))
         duhem_columns(states, v, np.array(self.reaches))
-        return preisach_path(v, begin, basis, weights[:duhem]) + weights[duhem:] @ states
+        return h + weights[duhem:] @ states
 
     def _along(self, u_V: Floats, start: float) -> tuple[Floats, Floats, PreisachBasis]:
         """Normalised input, (n,), state of the plays before it, (plays,), and the basis without Duhem states."""

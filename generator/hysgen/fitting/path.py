@@ -110,6 +110,10 @@ class PathColumns:
     columns: Floats
     rows: Rows
 
+    @property
+    def nbytes(self) -> int:
+        return self.columns.nbytes
+
     def of(self, rows: Rows) -> Floats:
         """(p, k) the columns on some of the rows."""
         return self.columns[:, np.searchsorted(self.rows, rows)]

@@ -135,4 +135,8 @@ def lagged(task: PathTask, held: HeldWindow, lag_s: float, rows: Rows) -> Floats
 
 def all_lagged(task: PathTask, held: Sequence[HeldWindow], lag_s: float) -> Floats:
     """(p, m) `lagged` of all rows of all windows."""
-    return np.hstack([lagged(task, one, lag_s, np.arange(one.extra.shape[1])) for one in held])
+    ends = np.cumsum([0, *(window.extra.shape[1] for window in held)])
+    out = np.empty((len(held[0].columns) + len(held[0].extra), ends[-1]))
+    for window, first, end in zip(held, ends, ends[1:], strict=False):
+        out[:, first:end] = lagged(task, window, lag_s, np.arange(end - first))
+    return out

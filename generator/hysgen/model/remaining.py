@@ -46,7 +46,9 @@ def falls_from_each_row(effect: Floats, error: Floats, basis: Floats, barred: It
     rows, because errors are judged by blocks of this length. least: of H P H, as a part of its largest value.
     """
     n = len(error)
-    free = from_each_row(effect**2) - np.sum(from_each_row(effect * basis) ** 2, axis=0)
+    free = from_each_row(effect**2)
+    for column in basis:
+        free = free - from_each_row(effect * column) ** 2
     falls = from_each_row(effect * error) ** 2 / np.maximum(free, least * free.max() + 1e-300)
     for row in (0, n, *barred):
         falls[max(row - n // BLOCKS - 1, 0) : row + n // BLOCKS + 1] = -1.0
@@ -347,8 +349,8 @@ def _candidates(y_um: Floats, groups: Sequence[_Group], predicted_um: Floats) ->
     """
     error, n = _left(y_um, groups), y_um.size
     columns = np.concatenate([group.columns for group in groups]) if groups else np.zeros((0, n))
-    lengths = np.linalg.norm(columns, axis=1, keepdims=True) + 1e-300
-    basis = np.linalg.qr((columns / lengths).T)[0].T if len(columns) else columns
+    columns /= np.linalg.norm(columns, axis=1, keepdims=True) + 1e-300
+    basis = np.linalg.qr(columns.T)[0].T if len(columns) else columns
     barred = [group.at for group in groups if group.at is not None]
     for direction in (np.ones(n), predicted_um - predicted_um.mean()):
         falls = falls_from_each_row(direction, error, basis, barred, 1e-3)
