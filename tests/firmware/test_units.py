@@ -113,6 +113,8 @@ def test_the_limits_of_the_output_are_inside_the_converters_range_as_calibrated(
     for calibration in ({"output_gain": 1.05}, {"output_zero_V": 5.0}):
         assert wrong_field(replace(narrow, **calibration)) is None
         assert wrong_field(replace(ROOMY, **calibration)) in ("low_V", "high_V")
+    for beyond in ({"low_V": -21.0}, {"high_V": 121.0}):
+        assert wrong_field(replace(ROOMY, output_gain=0.95, **beyond)) in beyond
 
 
 def test_a_loop_of_no_stroke_is_refused() -> None:
