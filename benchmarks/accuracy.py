@@ -1,21 +1,26 @@
 """Largest error of a step that a sweep finds, beside its proved bound.
 
 python benchmarks/accuracy.py MODEL... --samples 100000000    minutes each; a MODEL is that of a file, one that comes
-    with hysgen, a function of tests/fixtures/generated_models.py, or `structure` of benchmarks/proofs.py
+    with hysgen, a function of tests/fixtures/generated_models.py, `structure` of benchmarks/proofs.py, `smooth_N` of N
+    rules, or the kind of a block or of a disturbance: the rules of `path` behind it alone, or beside it
 """
 
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import sys
 import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+import numpy as np
 from proofs import structure
 
 from hysgen.float32.reference.accuracy import accuracy
+from hysgen.model import disturbances
+from hysgen.model import path as blocks
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 
@@ -24,8 +29,21 @@ def model_of(name: str) -> Model:
     """The model of a name on the command line."""
     from fixtures import generated_models
 
-    makers = {"structure": structure} | {made: getattr(generated_models, made) for made in ("path", "diagnosed")}
-    return makers[name]() if name in makers else load_model(name)
+    made = ("path", "diagnosed", "everything")
+    makers = {"structure": structure} | {maker: getattr(generated_models, maker) for maker in made}
+    if name in makers:
+        return makers[name]()
+    if name.startswith("smooth_"):
+        return generated_models.smooth(int(name.removeprefix("smooth_")))
+    path, rng = generated_models.path(), np.random.default_rng(1)
+    if name in disturbances.kinds():
+        term = disturbances.kinds()[name].examples(rng)[0]
+        weights = np.resize([1e-2, -1e-2], term.size)
+        return dataclasses.replace(path, name=name, blocks=(), terms=(term,), weights=weights)
+    if name in blocks.kinds():
+        own = [block for block in path.blocks if block.kind == name] or blocks.kinds()[name].examples(rng)
+        return dataclasses.replace(path, name=name, blocks=(own[0],))
+    return load_model(name)
 
 
 def main() -> None:
@@ -41,7 +59,7 @@ def main() -> None:
         solved = all(block.solves(model.Ts_s) for block in model.blocks)
         found = accuracy(model, arguments.samples, inverse=solved, seed=arguments.seed)
         inverse = ("predict_of_inverse_um", "inverse_um") if model.responds else ("inverse_V", "inverse_V")
-        for field, of_bound in (("predict_um", "predict_um"), ("path", "path"), inverse):
+        for field, of_bound in (("predict_um", "predict_um"), ("path", "path"), inverse, ("correct_um", "correct_um")):
             most, bound = getattr(found, field), getattr(found.proved, of_bound, None)
             if most:
                 said = "none" if bound is None else f"{bound:9.3g} {bound / most:5.2f}"

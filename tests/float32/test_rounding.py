@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from fixtures.drawn_models import random_model
-from fixtures.generated_models import diagnosed, everything, hysteresis, path, relaxing, smooth
+from fixtures.generated_models import diagnosed, everything, hysteresis, learning, path, relaxing, smooth
 from hysgen.float32.coefficients import coefficients
+from hysgen.float32.learner_numbers import learned_model, learner_numbers
 from hysgen.float32.reference import rounding, term_rounding
 from hysgen.float32.reference.accuracy import accuracy
 from hysgen.float32.reference.path_rounding import w_error
@@ -73,6 +74,14 @@ def test_the_bound_of_a_step_holds_behind_a_path(model: Model) -> None:
     assert errors.path < errors.proved.path < 8.0 * errors.path
     assert errors.proved.inverse_um is not None
     assert errors.predict_of_inverse_um < errors.proved.inverse_um < 3.5 * errors.predict_of_inverse_um
+
+
+def test_what_is_found_of_an_inverse_is_not_what_its_reference_is_limited_by() -> None:
+    """These rules take some inputs further than one range beyond the range: 41 V stood for 0.1 mV."""
+    errors = accuracy(behind(SLEW), 40_000)
+    assert errors.proved is not None
+    assert errors.proved.inverse_V is not None
+    assert errors.inverse_V < errors.proved.inverse_V < 5.0 * errors.inverse_V
 
 
 @pytest.mark.parametrize("block", ALONE, ids=lambda block: block.kind)
@@ -162,6 +171,23 @@ def test_the_bound_of_a_correction_holds_and_counts_its_roundings(monkeypatch: p
     without = correction_error(model)
     assert without is not None
     assert without < 0.25 * errors.proved.correct_um
+
+
+def test_the_bound_of_any_bank_holds_at_the_limits_of_the_parameters() -> None:
+    """No sample of banks there passes it; it is at most 50 times what they find, and far above that of the own bank."""
+    model = learning()
+    proved, numbers = proved_errors(model, inverse=True), coefficients(model)
+    assert proved is not None
+    assert proved.any_bank_um is not None
+    learner, rng = learner_numbers(model, numbers), np.random.default_rng(1)
+    found = 0.0
+    for _ in range(10):
+        theta = float(learner.limit_um) * rng.choice([-1.0, 1.0], learner.size)
+        bank = dataclasses.replace(learned_model(model, numbers, learner, theta), learner=None)
+        found = max(found, accuracy(bank, 4000, inverse=False).predict_um)
+    assert 1000.0 * proved.predict_um < proved.any_bank_um < 50.0 * found
+    assert found < proved.any_bank_um
+    assert proved.any_bank_inverse_V is not None
 
 
 def test_rules_outside_the_window_are_in_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -119,12 +119,13 @@ def error_section(errors: Accuracy, *, inverse: bool, responds: bool) -> Section
     if errors.proved is None:
         comment += "\nNo bound is proved: of a part of your own, or of a state that does not decay."
     else:
-        comment += "\nBOUND: proved against real arithmetic, for every input and state and these numbers: not for\n"
-        comment += "those that a learner commits."
+        comment += "\nBOUND: proved against real arithmetic, for every input and state and these numbers;"
+        comment += "\nANY_BANK: for all numbers that a learner may commit, at the limits of its parameters."
         bounds = {"PREDICT_UM": errors.proved.predict_um, "INVERSE_V": errors.proved.inverse_V}
         if responds:
             bounds |= {"PATH": errors.proved.path, "INVERSE_UM": errors.proved.inverse_um}
-        bounds["CORRECT_UM"] = errors.proved.correct_um
+        bounds |= {"CORRECT_UM": errors.proved.correct_um, "PREDICT_ANY_BANK_UM": errors.proved.any_bank_um}
+        bounds["INVERSE_ANY_BANK_V"] = errors.proved.any_bank_inverse_V
         for name, bound in bounds.items():
             function, _, unit = name.partition("_")
             if bound is not None:

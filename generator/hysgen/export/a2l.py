@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
+from hysgen.checking.proof.eva.boxes import learner_box, parts_box, state_box
 from hysgen.codegen import tables
 from hysgen.codegen.parameters import Table, numbers_digest_of
 from hysgen.codegen.structs import Interface, interface
 from hysgen.errors import BuildError
 from hysgen.export.base import Export, Option, Written, make
+from hysgen.float32.learnt_banks import bank_box
 from hysgen.float32.struct_words import LEARNER_MEANINGS
 from hysgen.machine.files import write_whole
 from hysgen.model.intervals import Interval

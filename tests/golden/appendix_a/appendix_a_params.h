@@ -25,8 +25,8 @@
 
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist.
- * BOUND: proved against real arithmetic, for every input and state and these numbers: not for
- * those that a learner commits. */
+ * BOUND: proved against real arithmetic, for every input and state and these numbers;
+ * ANY_BANK: for all numbers that a learner may commit, at the limits of its parameters. */
 #define APPENDIX_A_PREDICT_FOUND_UM  1.30000001e-06f  /* 0x35ae7ba9 */
 #define APPENDIX_A_INVERSE_FOUND_V   0.000509999983f  /* 0x3a05b185 */
 #define APPENDIX_A_PREDICT_BOUND_UM  2.79999995e-06f  /* 0x363be7a2 */

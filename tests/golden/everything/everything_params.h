@@ -34,8 +34,8 @@
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist. PATH: part of the path, of w; INVERSE: of y(k+1) against
  * the reference where no limit acts.
- * BOUND: proved against real arithmetic, for every input and state and these numbers: not for
- * those that a learner commits. */
+ * BOUND: proved against real arithmetic, for every input and state and these numbers;
+ * ANY_BANK: for all numbers that a learner may commit, at the limits of its parameters. */
 #define EVERYTHING_PREDICT_FOUND_UM  1.30000001e-06f  /* 0x35ae7ba9 */
 #define EVERYTHING_PATH_FOUND        6.60000012e-07f  /* 0x35312adb */
 #define EVERYTHING_INVERSE_FOUND_UM  9.79999982e-07f  /* 0x3583888b */

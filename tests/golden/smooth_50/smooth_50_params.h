@@ -25,8 +25,8 @@
 
 /* Error of one step from any state. FOUND: the largest against float64 over 20000 samples of the
  * whole range, rounded up; larger ones exist.
- * BOUND: proved against real arithmetic, for every input and state and these numbers: not for
- * those that a learner commits. */
+ * BOUND: proved against real arithmetic, for every input and state and these numbers;
+ * ANY_BANK: for all numbers that a learner may commit, at the limits of its parameters. */
 #define SMOOTH_50_PREDICT_FOUND_UM  2.90000003e-06f  /* 0x36429d9f */
 #define SMOOTH_50_INVERSE_FOUND_V    0.00120000006f  /* 0x3a9d4952 */
 #define SMOOTH_50_PREDICT_BOUND_UM  1.10000001e-05f  /* 0x37388ca4 */

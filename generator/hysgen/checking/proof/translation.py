@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.proof.eva.boxes import bank_box, learner_box, parts_box, state_box
+from hysgen.checking.proof.eva.boxes import learner_box, parts_box, state_box
 from hysgen.checking.symbolic.arrays import Symbols, coerced, traced, with_symbols
 from hysgen.checking.symbolic.dataflow import Graph, Op
 from hysgen.checking.symbolic.equivalence import SAMPLES, Sweep
@@ -31,6 +31,7 @@ from hysgen.checking.symbolic.solver import SOLVER
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen.structs import Interface, interface_of
 from hysgen.float32.coefficients import Bank, coefficients, commit_numbers
+from hysgen.float32.learnt_banks import bank_box
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner

@@ -137,10 +137,10 @@ def _step_errors(
         return np.array([predicted, 0.0, 0.0])
     # The inverse does not correct the terms by the innovation, so its y(k+1) differs from that of predict.
     base, gain = _affine(model, warm, y, corrected=False)
-    wanted = (base + gain * w).astype(np.float32)
+    numbers = instance.numbers
+    wanted = np.clip((base + gain * w).astype(np.float32), numbers.reference_min_um, numbers.reference_max_um)
     w_back = backward.inverse(y, wanted)
     exact_back = np.clip((wanted - base) / gain, float(instance.numbers.u_min_V), float(instance.numbers.u_max_V))
-    numbers = instance.numbers
     inside = (w_back > numbers.u_min_V) & (w_back < numbers.u_max_V)
     inside &= (wanted > numbers.reference_min_um) & (wanted < numbers.reference_max_um)
     reached, free = run.inverted(w_back)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.float32.coefficients import coefficients
-from hysgen.float32.reference.rounding import HALF_BIT, LIBRARY, Enclosed, Floats, Interval, Tape, largest_error
+from hysgen.float32.reference.rounding import HALF_BIT, LIBRARY, Enclosed, Floats, Interval, Tape, largest_error, slopes
 from hysgen.machine.reproducible import expm1
 from hysgen.model.float32_arithmetic import LEAST, RECIPROCAL_RELATIVE_ERROR, Floats32, flushed, power_of_two
 from hysgen.model.model import Model
@@ -47,6 +47,9 @@ Number = Any
 
 CELLS: Final = 256
 """Parts of the range of the input of the responses."""
+LIKELY: Final = 16.0
+STARTS: Final = 64
+"""Of a state in the loop: displacements in boxes up to which it may end inside, and parts of the box."""
 _LOOP: Final = {"box": "box_um"}
 LOST: Final = 16.0
 """Roundings of |s| (|x| + |c|) by which a step of a mode is off at most: seven, and what the lower word loses."""
@@ -108,11 +111,12 @@ class Real:
     def size(self, x: Number) -> Number:
         return np.abs(x)
 
-    def signed(self, x: Number, by: Number) -> Number:
-        return np.where(by < 0.0, -x, x)
-
     def bent(self, w: Number, above: Number, below: Number) -> Number:
         return np.where(w > 0.0, above, below) * w
+
+    def followed(self, d: Number, h: Number, loading: Number, unloading: Number, box: Number) -> Number:
+        moved = _moved(self, np.where(d < 0.0, -h, h), np.abs(d), loading, unloading)
+        return np.where(d < 0.0, -1.0, 1.0) * np.clip(moved, -box, box)
 
     def saturated(self, env: Number) -> Number:
         return env / (1.0 + env)
@@ -251,16 +255,42 @@ class Bounded:
     def size(self, x: Enclosed) -> Number:
         return x.then("||", Interval(np.zeros(1), x.value.size), [(x, every(-1.0, 1.0))], 0.0)
 
-    def signed(self, x: Enclosed, by: Enclosed) -> Number:
-        """x or -x, of a function that is 0 where `by` changes its sign."""
-        return x.then("signed", Interval(-x.value.size, x.value.size), [(x, every(-1.0, 1.0))], 0.0)
-
     def bent(self, w: Enclosed, above: Enclosed, below: Enclosed) -> Number:
-        """above w for w > 0, below w otherwise: its slope is one of both."""
-        slope = Interval.over(above.value.low, above.value.high, below.value.low, below.value.high)
+        """above w for w > 0, below w otherwise: its slope is one of both, or lies between."""
+        rises, falls = w.value.high > 0.0, w.value.low < 0.0
+        ends = [
+            np.where(rises, np.where(falls, pick(over, under), over), under)
+            for pick, over, under in (
+                (np.minimum, above.value.low, below.value.low),
+                (np.maximum, above.value.high, below.value.high),
+            )
+        ]
+        slope = Interval(*ends)
         off = np.maximum(largest_error(above), largest_error(below)) * w.value.size
-        value = slope * Interval.over(w.value.low, w.value.high, 0.0)
+        value = slope * w.value
         return w.then("bent", value, [(w, slope)], off + 2.0 * HALF_BIT * value.size)
+
+    def followed(self, d: Enclosed, h: Enclosed, loading: Enclosed, unloading: Enclosed, box: Enclosed) -> Number:
+        """Slopes and rounding are the largest of all parts of h and |d| from where h may end inside its box.
+
+        The sign of d may be that of a rounding: where d is 0, h stays, whichever it is.
+        """
+        end, most = float(box.value.high.max()), float(d.value.size.max())
+        inner = min(most, LIKELY * end)
+        ways = np.unique([*np.linspace(0.0, inner, 4 * CELLS + 1), *np.geomspace(inner, most, CELLS)])
+        starts = np.linspace(-end, end, STARTS + 1)
+        n = Bounded(Tape(), self._part, self._span)
+        w = n._tape.number(Interval(np.repeat(starts[:-1], ways.size - 1), np.repeat(starts[1:], ways.size - 1)))
+        size = n._tape.number(Interval(np.tile(ways[:-1], STARTS), np.tile(ways[1:], STARTS)))
+        rates = [n._tape.number(rate.value, known=rate.known) for rate in (loading, unloading)]
+        moved = _moved(n, w, size, *rates)
+        ends = (moved.value.low <= end) & (moved.value.high >= -end)
+        unit = np.ones_like(moved.value.low)
+        by = slopes(n._tape, {moved.place: Interval(unit, unit)})
+        of_h, of_d = (float(by[number.place].size[ends].max()) for number in (w, size))
+        rounding = float(largest_error(moved)[ends].max()) + float(largest_error(box).max()) + float(LEAST)
+        value = Interval(-box.value.size, box.value.size)
+        return h.then("followed", value, [(h, every(-of_h, of_h)), (d, every(-of_d, of_d))], rounding)
 
     def saturated(self, env: Enclosed) -> Number:
         """env/(1 + env), which rises: the rounding of the sum, of 1/x and of the product."""
@@ -423,17 +453,16 @@ def _(block: Loop, x: Number, n: Numbers, Ts_s: float) -> Number:
             first, second, third, fourth = (n.exact(weight) for weight in MIDDLE)
             middle = (first * y + second * past[0]) + (third * past[1] + fourth * past[2])
             d = n.flushed((middle + n.high(position)) - zeta)
-            h = [_followed(n, d, state, *shape[2:]) for shape, state in zip(shapes, h, strict=True)]
+            h = [n.followed(d, state, *shape[2:]) for shape, state in zip(shapes, h, strict=True)]
     return x + (n.high(position) - keep * before) * per_rate
 
 
-def _followed(n: Numbers, d: Number, h: Number, loading: Number, unloading: Number, box: Number) -> Number:
-    """A hysteretic state in the loop of a mode behind a displacement by d."""
-    unit, size, w = n.exact(1.0), n.size(d), n.signed(h, d)
+def _moved(n: Numbers, w: Number, size: Number, loading: Number, unloading: Number) -> Number:
+    """A state in the loop of a mode, w along the displacement, behind a step of Heun's method, before its box."""
+    unit = n.exact(1.0)
     first = unit - n.bent(w, loading, unloading)
     second = unit - n.bent(w + size * first, loading, unloading)
-    to = n.limited(w + (n.exact(0.5) * size) * (first + second), n.exact(0.0) - box, box)
-    return n.signed(n.flushed(to), d)
+    return w + (n.exact(0.5) * size) * (first + second)
 
 
 @output.register

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hysgen.float32.coefficients import coefficients
+from hysgen.float32.learnt_banks import bank_box, committed_gain
 from hysgen.float32.reference import rounding
 from hysgen.float32.reference.path_rounding import w_error
 from hysgen.float32.reference.term_rounding import SLACK, correction_error, extra_error
@@ -19,6 +20,7 @@ class ProvedErrors:
     inverse's u(k) without responses of the stage. inverse_um: with them, of y(k+1) in real arithmetic against its
     reference, unless a limit acts, has led a mode astray, or the C says that the path is missed; behind a delay of
     a fraction, for the voltage that it wants at the stage. correct_um: of the correction of the feedback.
+    any_bank_um: of y(k+1) with any bank that the learner may commit; any_bank_inverse_V: of u(k), as inverse_V.
     """
 
     predict_um: float
@@ -26,6 +28,8 @@ class ProvedErrors:
     inverse_V: float | None
     inverse_um: float | None
     correct_um: float | None
+    any_bank_um: float | None
+    any_bank_inverse_V: float | None
 
 
 def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
@@ -46,5 +50,21 @@ def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
         missed = path + 1.001 * float(numbers.w_tolerance) if model.responds else None
         asked = extra_error(model, corrected=False)
         bounds[int(model.responds)] = rounding.worst(model, 0.0, asked, inverse=True, missed=missed)
-    in_V, in_um = (bound if np.isfinite(bound) else None for bound in bounds)
-    return ProvedErrors(predict, path, in_V, in_um, correction_error(model))
+    learnt = [np.inf, np.inf]
+    if model.learner is not None:
+        banks = learnt_banks(model)
+        learnt[0] = rounding.worst(model, path, extra, banks=banks)
+        if inverse and not model.responds:
+            asked = extra_error(model, corrected=False)
+            learnt[1] = rounding.worst(model, 0.0, asked, inverse=True, banks=banks)
+    stated = (bound if np.isfinite(bound) else None for bound in (*bounds, correction_error(model) or np.inf, *learnt))
+    return ProvedErrors(predict, path, *stated)
+
+
+def learnt_banks(model: Model) -> rounding.Banks:
+    """The banks that the learner may commit."""
+    box, rules, gain = bank_box(model), range(model.grid.rules), committed_gain(model)
+    slope, offset, of_w = (
+        np.array([box[f"{group}[{rule}]"].magnitude for rule in rules]) for group in ("slope", "offset", "gain")
+    )
+    return rounding.Banks(slope, offset, of_w, (gain.low, gain.high))

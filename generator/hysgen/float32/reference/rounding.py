@@ -228,32 +228,37 @@ def largest_error(result: Enclosed) -> Floats:
     return _propagated(result.tape, {result.place: Interval(unit, unit)})
 
 
-def quotient_error(product: Enclosed, ratio: Interval) -> Floats:
-    """`largest_error` of a product n (1/d), where n/d lies in `ratio` in real arithmetic."""
+def quotient_error(product: Enclosed, ratio: Interval, divides: Floats | None = None) -> Floats:
+    """`largest_error` of a product n (1/d), where n/d lies in `ratio` in real arithmetic, and |d| >= `divides`."""
     numbers = product.tape.numbers
     (numerator, _), (inverse, _) = product.operands
     divisor = numbers[numbers[inverse].operands[0][0]]
     unit = np.ones_like(divisor.value.low)
     of_sums = _propagated(product.tape, {numerator: Interval(unit, unit), divisor.place: -ratio})
     least = np.where(divisor.value.low * divisor.value.high > 0.0, np.abs([divisor.value.low, divisor.value.high]), 0.0)
-    off = of_sums / least.min(axis=0)
+    off = of_sums / np.maximum(least.min(axis=0), np.zeros(1) if divides is None else divides)
     off = off + arithmetic.RECIPROCAL_RELATIVE_ERROR * (ratio.size + off)
     return _counted(off + _half_bit(ratio.size + off))
 
 
-def _propagated(tape: Tape, slopes_of: Mapping[int, Interval]) -> Floats:
-    """Bound of the error of a sum of numbers by their places, each with its factor."""
+def slopes(tape: Tape, slopes_of: Mapping[int, Interval]) -> list[Interval]:
+    """Slopes by every number up to the last of a sum of numbers, whose places and factors are given."""
     last = max(slopes_of)
     zero = np.zeros_like(slopes_of[last].low)
-    slopes = [slopes_of.get(place, Interval(zero, zero)) for place in range(last + 1)]
-    known, rounding = Interval(zero, zero), zero
+    all_slopes = [slopes_of.get(place, Interval(zero, zero)) for place in range(last + 1)]
     for number in reversed(tape.numbers[: last + 1]):
-        slope = slopes[number.place]
+        for place, derivative in number.operands:
+            all_slopes[place] = all_slopes[place] + all_slopes[number.place] * derivative
+    return all_slopes
+
+
+def _propagated(tape: Tape, slopes_of: Mapping[int, Interval]) -> Floats:
+    """Bound of the error of a sum of numbers by their places, each with its factor."""
+    known, rounding = Interval(np.zeros(1), np.zeros(1)), np.zeros(1)
+    for slope, number in zip(slopes(tape, slopes_of), tape.numbers, strict=False):
         rounding = rounding + slope.size * number.rounding
         if number.known is not None:
             known = known + slope * number.known
-        for place, derivative in number.operands:
-            slopes[place] = slopes[place] + slope * derivative
     return _counted(known.size + rounding)
 
 
@@ -276,13 +281,30 @@ class Extra:
     error_um: float = 0.0
 
 
+@dataclass(frozen=True)
+class Banks:
+    """Banks that a learner may commit: largest magnitudes of their numbers, (rules,) each, and ends of |df/dw|."""
+
+    slope: Floats
+    offset: Floats
+    gain: Floats
+    gain_ends: tuple[float, float]
+
+
 def worst(
-    model: Model, path: float, extra: Extra | None, *, inverse: bool = False, missed: float | None = None
+    model: Model,
+    path: float,
+    extra: Extra | None,
+    *,
+    inverse: bool = False,
+    missed: float | None = None,
+    banks: Banks | None = None,
 ) -> float:
     """The largest bound over all cells, which are divided until intervals add little to it.
 
     Of y(k+1), whose w is off by `path`; inverse: of the w that is found for y(k+1), or, if the path misses that w by up
-    to `missed`, of the y(k+1) that is reached. extra: of the disturbances.
+    to `missed`, of the y(k+1) that is reached. extra: of the disturbances. banks: any of them, that of the model
+    otherwise; real arithmetic starts from the float32 numbers of the bank then.
     """
     numbers = coefficients(model)
     low, high = float(numbers.w_min), float(numbers.w_max)
@@ -293,7 +315,7 @@ def worst(
 
     def bound(cells: Floats) -> Floats:
         with np.errstate(all="ignore"):
-            error, gain = _step(model, cells, path, extra, inverse=inverse)
+            error, gain = _step(model, cells, path, extra, banks, inverse=inverse)
             return _counted(error if missed is None else gain.size * (error + missed))
 
     points = [np.array([*[0.5 * (cells[0] + cells[1])] * 2, end, end, cells[4]]) for end in cells[2:4]]
@@ -326,7 +348,9 @@ def _parts(model: Model, numbers: Coefficients) -> Floats:
     return whole[:, whole[0] < whole[1]]
 
 
-def _step(model: Model, cells: Floats, path: float, extra: Extra | None, *, inverse: bool) -> tuple[Floats, Interval]:
+def _step(
+    model: Model, cells: Floats, path: float, extra: Extra | None, banks: Banks | None, *, inverse: bool
+) -> tuple[Floats, Interval]:
     """Bound of y(k+1) in every cell, or of the w that the inverse finds for y and y(k+1); df/dw.
 
     cells: (5, cells) low and high end of y and of w, and the nearest rule.
@@ -347,8 +371,14 @@ def _step(model: Model, cells: Floats, path: float, extra: Extra | None, *, inve
     weights = [exp(-0.5 * distance**2) for distance in away.tolist()]
     folds = np.ones(grid.rules) if numbers.windowed else np.array(weights)
     q1, q2, q3 = (folds * column for column in model.consequents.T)
-    slope, offset = vector(q1, numbers.bank.slope), vector(q3, numbers.bank.offset)
-    bank = Bank(slope, offset, vector(q2, numbers.bank.gain), numbers.bank.weight)
+    tables: Any
+    if banks is None:
+        tables = vector(q1, numbers.bank.slope), vector(q3, numbers.bank.offset), vector(q2, numbers.bank.gain)
+    else:
+        ends: Any = [[np.full(1, end) for end in group] for group in (banks.slope, banks.offset, banks.gain)]
+        tables = tuple([tape.number(Interval(-end, end)) for end in group] for group in ends)
+    slope, offset, per_w = tables
+    bank = Bank(slope, offset, per_w, numbers.bank.weight)
     origin, octaves = grid.ends_um[0] if numbers.windowed else 0.5 * sum(grid.ends_um), 1.0 / np.log(2.0)
     exact: Any = {
         "origin_um": tape.constant(origin, numbers.origin_um),
@@ -359,19 +389,28 @@ def _step(model: Model, cells: Floats, path: float, extra: Extra | None, *, inve
     }
     sums = reference.rule_sums(dataclasses.replace(numbers, **exact), bank, y_number)
     within, beyond = _memberships(model, numbers, cells)
-    corners = [column[:, None] for column in model.consequents.T]
-    own = Interval.over(
-        *(corners[0] * at + corners[1] * under + corners[2] for at in cells[:2] for under in cells[2:4])
-    )
-    value, gain = _mean(within, own), _mean(within, Interval.over(corners[1]))
+    rows = [column[:, None] for column in model.consequents.T]
+    if banks is None:
+        own = Interval.over(*(rows[0] * at + rows[1] * under + rows[2] for at in cells[:2] for under in cells[2:4]))
+        value, gain, least = _mean(within, own), _mean(within, Interval.over(rows[1])), np.zeros(1)
+    else:
+        rows = [size[:, None] / np.array(weights)[:, None] for size in (banks.slope, banks.gain, banks.offset)]
+        most = (1.0 + LIBRARY) * (rows[0] * np.abs(cells[:2]).max(0) + rows[1] * np.abs(cells[2:4]).max(0) + rows[2])
+        own = Interval(-most, most)
+        value, gain = _mean(within, own), Interval(*(np.full(1, end) for end in banks.gain_ends))
+        least = banks.gain_ends[0] * sums.weight.value.low
     outside = np.zeros(1)
     if numbers.windowed:
         off = np.maximum(np.abs(own.high - value.low), np.abs(own.low - value.high))
         outside = (1.0 + grid.rules * LIBRARY) * (beyond.high * off).sum(axis=0)
     if inverse:
         lost = 0.0 if extra is None else extra.error_um + 2.0 * HALF_BIT * (value.size + extra.size_um)
+        asked = [float(end) for end in (numbers.reference_min_um, numbers.reference_max_um)]
+        added = 0.0 if extra is None else extra.size_um
+        value = Interval(np.maximum(value.low, asked[0] - added), np.minimum(value.high, asked[1] + added))
         wanted = tape.number(value, rounding=lost + outside)
-        return quotient_error(reference.wanted_input(sums, y_number, wanted), w) + float(arithmetic.LEAST), gain
+        of_w = quotient_error(reference.wanted_input(sums, y_number, wanted), w, least)
+        return np.where(value.low <= value.high, of_w, 0.0) + float(arithmetic.LEAST), gain
     error = quotient_error(reference.next_displacement(sums, y_number, w_number), value) + outside
     if extra is not None:
         error = error + extra.error_um

@@ -16,7 +16,6 @@ from hysgen.checking.proof.eva.boxes import (
     REMAINDERS,
     WILD,
     LearnerBox,
-    bank_box,
     committed_gain_annotation,
     hexadecimal,
     learner_box,
@@ -54,6 +53,7 @@ from hysgen.codegen.render import render
 from hysgen.codegen.structs import interface_of
 from hysgen.float32.coefficients import coefficients, commit_numbers
 from hysgen.float32.learner_numbers import learner_numbers
+from hysgen.float32.learnt_banks import bank_box
 from hysgen.model.intervals import ANY, symmetric
 from hysgen.model.model import Model
 

@@ -14,10 +14,11 @@ from typing import Final
 
 import numpy as np
 
-from hysgen.checking.proof.eva.boxes import bank_box, committed_gain, hexadecimal, parts_box, state_box
+from hysgen.checking.proof.eva.boxes import hexadecimal, parts_box, state_box
 from hysgen.codegen.structs import interface_of
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
+from hysgen.float32.learnt_banks import bank_box, committed_gain
 from hysgen.model.float32_arithmetic import INFINITY_BITS, LEAST, POWER_LIMIT
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
