@@ -187,6 +187,8 @@ def test_the_page_states_the_cycles_to_the_output() -> None:
     for name, each in {"loop": without, "loop, learner": learning}.items():
         row = f"| Appendix A, {name} | {min(each.delay)} .. {max(each.delay)} | {max(each.total)} |"
         assert row in page, row
+    hitl = (PAGE.parents[1] / "hitl" / "README.md").read_text(encoding="utf-8")
+    assert f"the page says {max(without.delay)} cycles" in hitl
 
 
 @pytest.mark.slow
