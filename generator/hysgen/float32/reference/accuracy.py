@@ -128,15 +128,17 @@ def _step_errors(
 ) -> Floats:
     """(3,) the largest difference over the lanes, in the order of the fields of `Accuracy`; model: behind the path."""
     w, exact_w = run.step(u)
-    instance = warm[0]
-    exact_base, exact_gain = _affine(model, warm, y)
+    instance, aux = warm
+    rules, gain = _affine(model, y)
+    innovation = model.grid.clamp(y.astype(np.float64)) - instance.y_um
+    exact_base = rules + real_extra(model, instance.terms, innovation, aux)
     forward, backward = copy.deepcopy(instance), copy.deepcopy(instance)
     y_next = forward.predict(y, w)
-    predicted = np.abs(y_next - (exact_base + exact_gain * exact_w)).max()
+    predicted = np.abs(y_next - (exact_base + gain * exact_w)).max()
     if not inverse:
         return np.array([predicted, 0.0, 0.0])
     # The inverse does not correct the terms by the innovation, so its y(k+1) differs from that of predict.
-    base, gain = _affine(model, warm, y, corrected=False)
+    base = rules + real_extra(model, instance.terms, None, aux)
     numbers = instance.numbers
     wanted = np.clip((base + gain * w).astype(np.float32), numbers.reference_min_um, numbers.reference_max_um)
     w_back = backward.inverse(y, wanted)
@@ -166,15 +168,12 @@ def _correction(model: Model, samples: int, seed: int) -> float:
     return largest
 
 
-def _affine(model: Model, warm: tuple[Instance, Aux], y: Floats32, *, corrected: bool = True) -> tuple[Floats, Floats]:
-    """f(y, 0) [um] and b(y) [um/V] in float64, (lanes,) each, with the term states and channels of `warm`."""
-    instance, aux = warm
+def _affine(model: Model, y: Floats32) -> tuple[Floats, Floats]:
+    """f(y, 0) [um] without disturbances and b(y) [um/V] in float64, (lanes,) each."""
     y64 = y.astype(np.float64)
     p = memberships(y64, model.grid)
     q1, q2, q3 = model.consequents.T
-    base = product(p, q1) * model.grid.clamp(y64) + product(p, q3)
-    innovation = model.grid.clamp(y64) - instance.y_um if corrected else None
-    return base + real_extra(model, instance.terms, innovation, aux), product(p, q2)
+    return product(p, q1) * model.grid.clamp(y64) + product(p, q3), product(p, q2)
 
 
 def _pairs(model: Model, samples: int, seed: int, lanes: int) -> Iterator[tuple[Floats32, Floats32]]:
