@@ -56,6 +56,29 @@ def test_the_models_that_ship_are_proved_for_every_input(name: str) -> None:
     assert result.lines()[-1] == f"{name}: 7 of 7 functions proved"
 
 
+def test_a_question_that_runs_out_of_the_clock_is_asked_until_it_has_had_a_processor() -> None:
+    """On a busy machine 60 s of the clock are a few of a processor: an equality stayed open there."""
+
+    class Busy:
+        """Bitwuzla that runs out of time before its third answer."""
+
+        def __init__(self, library: Any, answers: list[Any]) -> None:
+            self._library, self._answers = library, answers
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._library, name)
+
+        def check_sat(self) -> Any:
+            return self._answers.pop() if self._answers else self._library.check_sat()
+
+    asked, graph = solver.Solver.installed(), Graph()
+    assert asked is not None
+    asked._solver = Busy(asked._solver, 2 * [library("bitwuzla").Result.UNKNOWN])
+    x, y = graph.param(0), graph.param(1)
+    other = graph.op("sub", graph.op("or", x, y), graph.op("and", x, y))
+    assert asked.equal(graph.op("xor", x, y), other)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "complete"),
