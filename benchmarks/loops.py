@@ -2,6 +2,7 @@
 
 python benchmarks/loops.py          bandwidths and margins, and the worst of a thousand chains after a push
 python benchmarks/loops.py track    rms and largest error of tasks by method, on a chain behind an elasto-slide actuator
+python benchmarks/loops.py track 0  the same on the virtual laboratory stage
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from hysgen.model.path import preview
 from hysgen.model.path.structure import Structure
 from hysgen.model.rivals import fit_proportional
 from hysgen.record.segment import Segment
+from hysgen_lab.firmware.reference_models import HIGH_V, LOW_V, laboratory
+from hysgen_lab.stage import StageState
 
 Floats = NDArray[np.float64]
 TS_S = 2e-5
@@ -108,14 +111,17 @@ def pushed(model: Model, loop: LoopDesign, rng: np.random.Generator, samples: in
 class Actuator:
     """Masses behind forty elasto-slide elements and a lag, with noise; voltages act a sample late."""
 
-    def __init__(self, modes: int, noise_um: float, draw: int) -> None:
+    span_V, middle = (0.0, 100.0), (1.0, 6.0)
+    """Its voltages, and amplitude and centre in um of what it follows."""
+
+    def __init__(self, modes: int, draw: int) -> None:
         A, B, self.C = chain(*stage(modes))
         whole = expm(TS_S * np.block([[A, B[:, None]], [np.zeros((1, B.size + 1))]]))
         self.A, self.B = whole[:-1, :-1], whole[:-1, -1]
         rng = np.random.default_rng([modes, draw])
         self.slack_V = 40.0 * np.random.default_rng(modes).weibull(1.5, 40)
         self.rest = np.linalg.solve(np.eye(B.size) - self.A, self.B)
-        self.noise = (noise_um * rng.standard_normal(200_000)).tolist()
+        self.noise = (NOISE_UM * rng.standard_normal(200_000)).tolist()
         self.slid, self.last_V, self.late_V, self.k = np.zeros(40), 0.0, 0.0, 0
         self.lagged = 0.0
         self.x = self.rest * 0.0
@@ -135,17 +141,45 @@ class Actuator:
         drive = 0.12 * (u_V - 0.25 * float(self.slid.mean()))
         self.lagged = self.keep * self.lagged + (1.0 - self.keep) * drive
 
-    def play(self, u_V: Floats) -> Floats:
-        """(n,) readings, from the range's low end, up, down, and a second at the first voltage on."""
-        fill = np.concatenate([np.linspace(0.0, 100.0, 4000), np.linspace(100.0, 0.0, 4000), np.full(3000, u_V[0])])
-        fill[8000:8500] = np.linspace(0.0, u_V[0], 500)
-        for u in fill:
-            self.step(float(u))
-        out = np.empty(u_V.size)
-        for k, u in enumerate(u_V):
-            out[k] = self.read()
-            self.step(float(u))
-        return out
+
+class Laboratory:
+    """The laboratory stage: hysteresis, lag, mode, creep, drift, hum, amplifier, sensor; voltages act a sample late."""
+
+    span_V, middle = (LOW_V, HIGH_V), (0.6, 2.0)
+
+    def __init__(self, draw: int) -> None:
+        self.state, self.late_V = StageState(laboratory(), TS_S, draw), LOW_V
+
+    def read(self) -> float:
+        """Displacement in um as the sensor gives it."""
+        return float(self.state.advance(np.array([self.late_V]), np.zeros((1, 0))).reading_um[0])
+
+    def step(self, u_V: float) -> None:
+        """One sample under the voltage of the sample before."""
+        self.state.step(self.late_V, [])
+        self.late_V = u_V
+
+
+Plant = Actuator | Laboratory
+
+
+def plant(modes: int, draw: int) -> Plant:
+    """A chain of masses behind its actuator, or, of 0 modes, the laboratory stage."""
+    return Actuator(modes, draw) if modes else Laboratory(draw)
+
+
+def played(stage: Plant, u_V: Floats) -> Floats:
+    """(n,) readings, from the range's low end, up, down, and a while at the first voltage on."""
+    low, high = stage.span_V
+    fill = np.concatenate([np.linspace(low, high, 4000), np.linspace(high, low, 4000), np.full(3000, u_V[0])])
+    fill[8000:8500] = np.linspace(low, u_V[0], 500)
+    for u in fill:
+        stage.step(float(u))
+    out = np.empty(u_V.size)
+    for k, u in enumerate(u_V):
+        out[k] = stage.read()
+        stage.step(float(u))
+    return out
 
 
 TASKS = (("sine", 50.0), ("sine", 100.0), ("triangle", 1000.0), ("scan", 50.0), ("steps", 20.0))
@@ -157,13 +191,15 @@ NOISE_UM, REPEATS = 5e-4, 10
 def record_of(modes: int, draw: int = 99) -> hysgen.Record:
     """0.8 s of slow loops, steps and a chirp, by which a model is identified."""
     rng = np.random.default_rng([modes, draw])
-    t = TS_S * np.arange(40_000)
-    slow = 50.0 + 45.0 * np.interp(t, np.linspace(0.0, 0.8, 33), rng.uniform(-1.0, 1.0, 33))
-    u_V = np.clip(slow + 4.0 * np.sin(2.0 * np.pi * (100.0 * t + 3000.0 * t**2)), 0.0, 100.0)
-    return hysgen.Record.from_arrays(u_V, Actuator(modes, NOISE_UM, draw).play(u_V), TS_S, source="chain")
+    t, stage = TS_S * np.arange(40_000), plant(modes, draw)
+    half_V, middle_V = 0.5 * np.ptp(stage.span_V), 0.5 * sum(stage.span_V)
+    share = 0.9 * np.interp(t, np.linspace(0.0, 0.8, 33), rng.uniform(-1.0, 1.0, 33))
+    share += 0.08 * np.sin(2.0 * np.pi * (100.0 * t + 3000.0 * t**2))
+    u_V = middle_V + half_V * np.clip(share, -1.0, 1.0)
+    return hysgen.Record.from_arrays(u_V, played(stage, u_V), TS_S, source="stage")
 
 
-def followed(model: Model, actuator: Actuator, wanted: Floats) -> Floats:
+def followed(model: Model, actuator: Plant, wanted: Floats) -> Floats:
     """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before.
 
     Its residual is that from what can be reached: what the limits leave is no error of the stage.
@@ -172,7 +208,7 @@ def followed(model: Model, actuator: Actuator, wanted: Floats) -> Floats:
     plan = hysgen.waveform(model, np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]))
     course = np.concatenate([np.full(plan.lead, wanted[0]), plan.y_um])
     asked_um, first_V = plan.asked_um.astype(np.float32), plan.u_V[:1].astype(np.float32)
-    actuator.play(np.full(10, first_V[0]))
+    played(actuator, np.full(10, first_V[0]))
     inverse = Instance(model, asked_um[:1], first_V)
     asked = asked_um[:1]
     out = np.empty(course.size - ahead)
@@ -195,19 +231,21 @@ def track(modes: int) -> None:
     by_hand = 2.0 * math.pi * loop.certificate.without_inverse_Hz * TS_S
     print(f"noise {1e3 * NOISE_UM:.2f} nm; free run {1e3 * free_run_um:.4g} nm; rms (largest) error in nm")
     for form, f_Hz in TASKS:
-        shape = hysgen.Form(1.0 if f_Hz < 500.0 else 0.05, 6.0, f_Hz, max(2.0, round(0.04 * f_Hz)))
+        amplitude_um, centre_um = plant(modes, 0).middle
+        amplitude_um *= 1.0 if f_Hz < 500.0 else 0.05
+        shape = hysgen.Form(amplitude_um, centre_um, f_Hz, max(2.0, round(0.04 * f_Hz)))
         plan = hysgen.waveform(model, form, shape, loop=True)
         wanted, row = plan.reference.values, {}
 
         def play(u_V: Floats, repeat: int = 0) -> Floats:
-            return Actuator(modes, NOISE_UM, 1 + repeat).play(u_V)
+            return played(plant(modes, 1 + repeat), u_V)
 
         ratio = np.append(straight.inverse(wanted), 0.0)[: wanted.size]
         ratio[-1] = ratio[-2]
         row["proportional"] = play(ratio) - wanted
         other = hysgen.waveform(paper, form, shape)
         row["paper's inverse"] = play(other.u_V)[other.lead :] - wanted
-        row["by hand"] = by_hand_errors(Actuator(modes, NOISE_UM, 1), ratio, wanted, by_hand / 0.1)
+        row["by hand"] = by_hand_errors(plant(modes, 1), ratio, wanted, by_hand / 0.1)
         plays = []
         for repeat in range(REPEATS + 1):
             y_um = play(plan.u_V, repeat)
@@ -216,20 +254,20 @@ def track(modes: int) -> None:
             segment = Segment("0", plan.u_V, y_um, {}, plan.start_s)
             plays.append(hysgen.Record.from_segments([segment], TS_S, "played"))
             plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
-        row["designed loop"] = followed(loop.around(model), Actuator(modes, NOISE_UM, 1), wanted) - wanted
+        row["designed loop"] = followed(loop.around(model), plant(modes, 1), wanted) - wanted
         texts = (f"{name} {1e3 * np.sqrt(np.mean(e**2)):.4g} ({1e3 * np.abs(e).max():.4g})" for name, e in row.items())
         print(f"{form} {f_Hz:g} Hz:", "; ".join(texts), flush=True)
 
 
-def by_hand_errors(actuator: Actuator, ratio_V: Floats, wanted: Floats, gain_V: float) -> Floats:
+def by_hand_errors(actuator: Plant, ratio_V: Floats, wanted: Floats, gain_V: float) -> Floats:
     """(n,) errors of proportional feed-forward and an integral, in V per um and sample, as tuned by hand."""
-    actuator.play(np.full(10, ratio_V[0]))
+    played(actuator, np.full(10, ratio_V[0]))
     sum_V, error = 0.0, np.empty(wanted.size + 3000)
     for k in range(error.size):
         at = max(k - 3000, 0)
         error[k] = actuator.read() - wanted[at]
         sum_V -= gain_V * error[k]
-        actuator.step(float(np.clip(ratio_V[at] + sum_V, 0.0, 100.0)))
+        actuator.step(float(np.clip(ratio_V[at] + sum_V, *actuator.span_V)))
     return error[3000:]
 
 
