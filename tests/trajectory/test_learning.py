@@ -1,6 +1,7 @@
 """Learning over repeats on stages whose equations are foreign to hysgen."""
 
 from collections.abc import Callable
+from itertools import accumulate
 
 import numpy as np
 import pytest
@@ -124,6 +125,26 @@ def test_a_stage_within_its_uncertainty_nears_its_noise_with_every_repeat() -> N
     assert max(errors[2:]) < 0.5 * errors[1]
     assert plan.learning is not None
     assert max(errors[3:]) < np.hypot(plan.learning.stays_um, 1.2 * noise_um)
+
+
+def test_a_corner_that_a_limit_hides_from_the_model_is_left_and_the_rest_learnt() -> None:
+    """The sine begins with a step of 0.8 V; the stage, whose gain is 3 % larger, moves by 0.1 V a sample at most."""
+    rules = np.tile([np.exp(-0.02), *(np.array([1.0, 0.0]) * -np.expm1(-0.02))], (4, 1))
+    own = Model("slow", 2e-5, Grid(-40.0, 140.0, 4), rules, -20.0, 120.0)
+    form, noise_um = hysgen.Form(1.0, 50.0, 100.0, 4), 5e-4
+    plan = hysgen.waveform(own, "sine", form, loop=True)
+    wanted, rng, plays, errors = plan.reference.values, np.random.default_rng(3), [], []
+    assert np.abs(np.diff(plan.u_V)).max() > 0.5
+    for _ in range(7):
+        held_V = np.array(list(accumulate(plan.u_V.tolist(), lambda held, u: held + min(max(u - held, -0.1), 0.1))))
+        y_um = 1.03 * own.simulate(held_V) - 1.5 + rng.normal(0.0, noise_um, held_V.size)
+        errors.append(y_um[plan.lead :] - wanted)
+        plays.append(played(plan, y_um))
+        plan = hysgen.waveform(own, "sine", form, loop=True, plays=plays)
+    assert max(map(rms, errors[2:])) < 1.1 * rms(errors[1])
+    assert rms(errors[-1][errors[-1].size // 4 :]) < 1.5 * noise_um
+    assert plan.learning is not None
+    assert plan.learning.stays_um == pytest.approx(rms(errors[-1]), rel=0.3)
 
 
 def test_an_error_where_the_stage_hardly_passes_is_left_and_said() -> None:

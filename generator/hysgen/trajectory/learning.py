@@ -9,7 +9,9 @@ the model, so a stage P' whose model is P leaves (1 - Q T) e, T = P'/P, noise ap
     q = min(mean Re T/mean |T|^2, MOST min Re T/|T|^2)         over draws of the uncertainty of the model
 
 q leaves least in the mean square, as far as every draw leaves less than there was; 0 where there is none, where the
-stage hardly passes, and where a repeat made the error grow. Where all of Q is 0, there is nothing to learn.
+stage hardly passes, and where a repeat made the error grow. Where all of Q is 0, there is nothing to learn. At times
+where a repeat left of the error what no draw would, and at most times did not, as behind a limit that the model lacks,
+e and m are those of the repeat with the least error there, and e is not learnt.
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
 
@@ -48,6 +50,10 @@ LEAST_GAIN = 0.02
 
 GROWN = 1.2
 """Factor by which the power of an error has grown near a frequency where learning made it worse."""
+
+NEAR = 1 / 16
+"""Share of a repeat to both sides of a time over which an error is averaged: long beside lag and ringing of a stage
+that is followed for some periods."""
 
 WORSE = 1.1
 """Factor on the least error so far from which on the last repeat counts as worse, not as noise by chance."""
@@ -95,20 +101,25 @@ def learn(
     repeated = sum(counts) - len(counts)
     noise_um = math.sqrt(scatter / repeated if repeated else min([residual_noise(errors[-1]) ** 2, *changes]))
     base = len(rms) - 1 if rms[-1] <= WORSE * min(rms) else int(np.argmin(rms))
-    spectra = [np.asarray(dct(e, norm="ortho")) for e in errors]
-    power, noise = _power(spectra[base]), noise_um**2 / counts[base]
+    weights, trust = _by_time(errors, base, noise_um)
+    spectra = [np.asarray(dct(trust * e, norm="ortho")) for e in errors]
+    from_um, error_um = (np.sum(weights * courses, axis=0) for courses in (answers, errors))
+    spectrum = np.asarray(dct(trust * error_um, norm="ortho"))
+    power, noise = _power(spectrum), noise_um**2 / counts[base]
     share, remains = converging(model, np.arange(n) / (2.0 * n * model.Ts_s))
     least = _power(spectra[0])
     for late, by in pairs:
-        moved, unseen = _power(dct(answers[late] - answers[late - 1], norm="ortho")), NOISE_FACTOR * noise_um**2 * by
+        change = trust * (answers[late] - answers[late - 1])
+        moved, unseen = _power(dct(change, norm="ortho")), NOISE_FACTOR * noise_um**2 * by
         share[(moved > unseen) & (_power(spectra[late]) > GROWN * least + unseen)] = 0.0
         least = np.minimum(least, _power(spectra[late]))
     # Over a whole repeat, above the noise and but for a constant.
     wrong = float(np.var(missed[base])) - noise_um**2 > TRUSTED**2 * float(np.var(answers[base]))
     above = power > NOISE_FACTOR * noise
     Q = np.where(above & (not wrong), share * (1.0 - noise / np.maximum(power, 1e-300)), 0.0)
-    learnt, stays = np.flatnonzero(Q > 0.0), np.sum((power - noise)[above & (Q == 0.0)]) / n
-    aim = answers[base] + np.asarray(idct(Q * spectra[base], norm="ortho"))
+    untrusted = float(np.sum((1.0 - trust**2) * (error_um**2 - noise)))
+    learnt, stays = np.flatnonzero(Q > 0.0), (np.sum((power - noise)[above & (Q == 0.0)]) + max(untrusted, 0.0)) / n
+    aim = from_um + np.asarray(idct(Q * spectrum, norm="ortho"))
     wanted = Sampled(aim, reference.start_s, f"{reference.source}, next repeat", reference.remarks)
     highest = None if not learnt.size else float(learnt[-1]) / (2.0 * n * model.Ts_s)
     leaves = (
@@ -116,6 +127,32 @@ def learn(
     )
     learning = Learning(tuple(rms), noise_um, base + 1, highest, leaves, math.sqrt(stays))
     return replace(plan(model, wanted, given, loop=loop), learning=learning)
+
+
+def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floats, Floats]:
+    """Weights of the repeats, (repeats, n), of sum 1, and how far the error is learnt, (n,), at each time.
+
+    All of `base`, and all is learnt, but where a repeat left more of the mean square near a time than TRUSTED allows
+    and at most times did not: a model that is wrong at some frequencies is so at all times, and left to the spectra.
+    """
+    n = errors[0].size
+    half = max(round(NEAR * n), 1)
+    window = np.hanning(2 * half + 1)
+
+    def near(values: Floats) -> Floats:
+        return np.asarray(np.convolve(values, window, "same") / np.convolve(np.ones(n), window, "same"))
+
+    power = np.array([near(e**2) for e in errors])
+    least, stays = power[0], np.zeros(n)
+    for late in power[1:]:
+        ratio = late / (TRUSTED**2 * least + NOISE_FACTOR * noise_um**2)
+        stays[(ratio > 1.0) & bool(np.median(ratio) < 1.0)] = 1.0
+        least = np.minimum(least, late)
+    back = near(stays)
+    best = np.arange(len(errors))[:, None] == np.argmin(power, axis=0)
+    weights = np.array([back * near(row.astype(np.float64)) for row in best])
+    weights[base] += 1.0 - weights.sum(axis=0)
+    return weights, 1.0 - near((back > 0.0).astype(np.float64))
 
 
 def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats]:
