@@ -10,7 +10,7 @@ the model, so a stage P' whose model is P leaves (1 - Q T) e, T = P'/P, noise ap
 
 q leaves least in the mean square, as far as every draw leaves less than there was; 0 where there is none, where the
 stage hardly passes, and where a repeat made the error grow. Where all of Q is 0, there is nothing to learn. At times
-where a repeat left of the error what no draw would, and at most times did not, as behind a limit that the model lacks,
+where two repeats did not lower the error, and at most times did, as behind a limit that the model lacks,
 e and m are those of the repeat with the least error there, and e is not learnt.
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
@@ -132,8 +132,8 @@ def learn(
 def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floats, Floats]:
     """Weights of the repeats, (repeats, n), of sum 1, and how far the error is learnt, (n,), at each time.
 
-    All of `base`, and all is learnt, but where a repeat left more of the mean square near a time than TRUSTED allows
-    and at most times did not: a model that is wrong at some frequencies is so at all times, and left to the spectra.
+    All of `base`, and all is learnt, but where two repeats did not lower the mean square near a time and at most times
+    did: a model that is wrong at some frequencies is so at all times, and left to the spectra.
     """
     n = errors[0].size
     half = max(round(NEAR * n), 1)
@@ -143,11 +143,11 @@ def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floa
         return np.asarray(np.convolve(values, window, "same") / np.convolve(np.ones(n), window, "same"))
 
     power = np.array([near(e**2) for e in errors])
-    least, stays = power[0], np.zeros(n)
-    for late in power[1:]:
-        ratio = late / (TRUSTED**2 * least + NOISE_FACTOR * noise_um**2)
+    stays = np.zeros(n)
+    for k in range(2, len(errors)):
+        # The first step of a large error may spill into its neighbourhood: one repeat is not enough.
+        ratio = power[k - 1 : k + 1].min(axis=0) / (power[: k - 1].min(axis=0) + NOISE_FACTOR * noise_um**2)
         stays[(ratio > 1.0) & bool(np.median(ratio) < 1.0)] = 1.0
-        least = np.minimum(least, late)
     back = near(stays)
     best = np.arange(len(errors))[:, None] == np.argmin(power, axis=0)
     weights = np.array([back * near(row.astype(np.float64)) for row in best])
