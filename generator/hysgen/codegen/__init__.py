@@ -24,7 +24,7 @@ from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
 from hysgen.display import decimal
 from hysgen.errors import CertificateError, HysgenError, ModelError
-from hysgen.float32.reference.accuracy import Accuracy, accuracy
+from hysgen.float32.reference.accuracy import Accuracy, accuracy, beyond_references
 from hysgen.machine.files import digest, only_writer, write_whole
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
@@ -62,7 +62,8 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
     if not chosen.forced:
         derived.require_use(chosen.inverse)
     errors = accuracy(model, ERROR_SAMPLES, inverse=chosen.inverse)
-    _require_inverse_resolution(model, errors)
+    if chosen.inverse:
+        _require_inverse_resolution(model, errors)
     facts = _facts(derived, errors, inverse=chosen.inverse)
     facts["alignment"] = alignment(model) if chosen.aligned else None
     # The first rendering is for counting operations; the second has the counts in the comments of the header.
@@ -132,10 +133,15 @@ def _require_resolution(model: Model) -> None:
 
 
 def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
-    """Raise CertificateError if the inverse in float32 misses by more than MOST_MISSED of its range.
+    """Raise CertificateError if the inverse misses by more than MOST_MISSED of its range, or its references by all.
 
     Not of a path that responds: its error is that of a displacement, on commands that light modes cannot follow.
     """
+    if not model.responds and (lost := beyond_references(model)) > 1.0:
+        raise CertificateError(
+            f"{model.name}: one sample of the input leaves its range of displacement, and no reference of the inverse "
+            f"is within {lost:.3g} ranges of that input; fit it over a wider one, or generate without the inverse"
+        )
     off, whole_V = errors.inverse_V, model.u_max_V - model.u_min_V
     if not model.responds and off > MOST_MISSED * whole_V:
         raise CertificateError(

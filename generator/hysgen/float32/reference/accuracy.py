@@ -168,6 +168,18 @@ def _correction(model: Model, samples: int, seed: int) -> float:
     return largest
 
 
+def beyond_references(model: Model) -> float:
+    """Largest share of the input's range by which a step f(y, w) passes the references of the inverse.
+
+    They reach by one range of y beyond both ends of it.
+    """
+    grid, w = model.grid, np.array([[model.w_range.low], [model.w_range.high]])
+    base, gain = _affine(model, np.linspace(grid.y_min_um, grid.y_max_um, LANES // RUN).astype(np.float32))
+    y_um, reach_um = base + gain * w, grid.y_max_um - grid.y_min_um
+    beyond_um = y_um - np.clip(y_um, grid.y_min_um - reach_um, grid.y_max_um + reach_um)
+    return float(np.abs(beyond_um / gain).max() / (model.w_range.high - model.w_range.low))
+
+
 def _affine(model: Model, y: Floats32) -> tuple[Floats, Floats]:
     """f(y, 0) [um] without disturbances and b(y) [um/V] in float64, (lanes,) each."""
     y64 = y.astype(np.float64)

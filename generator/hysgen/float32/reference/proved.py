@@ -1,9 +1,11 @@
 """The proved bounds of a step: rules (`rounding`), path (`path_rounding`), what is added (`term_rounding`)."""
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
 
+from hysgen.errors import ModelError
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learnt_banks import bank_box, committed_gain
 from hysgen.float32.reference import rounding
@@ -52,17 +54,18 @@ def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
         bounds[int(model.responds)] = rounding.worst(model, 0.0, asked, inverse=True, missed=missed)
     learnt = [np.inf, np.inf]
     if model.learner is not None:
-        banks = learnt_banks(model)
-        learnt[0] = rounding.worst(model, path, extra, banks=banks)
-        if inverse and not model.responds:
-            asked = extra_error(model, corrected=False)
-            learnt[1] = rounding.worst(model, 0.0, asked, inverse=True, banks=banks)
+        with contextlib.suppress(ModelError):  # without a gain above its rounding there is no bound of any bank
+            banks = learnt_banks(model)
+            learnt[0] = rounding.worst(model, path, extra, banks=banks)
+            if inverse and not model.responds:
+                asked = extra_error(model, corrected=False)
+                learnt[1] = rounding.worst(model, 0.0, asked, inverse=True, banks=banks)
     stated = (bound if np.isfinite(bound) else None for bound in (*bounds, correction_error(model) or np.inf, *learnt))
     return ProvedErrors(predict, path, *stated)
 
 
 def learnt_banks(model: Model) -> rounding.Banks:
-    """The banks that the learner may commit."""
+    """The banks that the learner may commit. Raises ModelError as `committed_gain` does."""
     box, rules, gain = bank_box(model), range(model.grid.rules), committed_gain(model)
     slope, offset, of_w = (
         np.array([box[f"{group}[{rule}]"].magnitude for rule in rules]) for group in ("slope", "offset", "gain")
