@@ -129,7 +129,7 @@ def test_the_extended_inverse_tracks_three_times_better_than_the_papers() -> Non
 @pytest.mark.slow
 def test_a_record_its_diagnosis_and_its_loop_track_to_twice_the_noise() -> None:
     alone, looped = (run_controller(controller, 50.0, 0.5) for controller in diagnosed_controllers())
-    assert looped.rms_nm < min(2.0 * sensor_noise_nm(), 0.2 * alone.rms_nm)
+    assert looped.rms_nm < min(2.0 * sensor_noise_nm(), 0.5 * alone.rms_nm)
 
 
 def test_what_the_firmware_cannot_drive_is_refused_with_the_reason() -> None:
