@@ -102,7 +102,7 @@ def error_map(
     evaluated = [piece[max(first - start, 0) :] for piece, start in zip(pieces, np.cumsum([0, *lengths]), strict=False)]
     swings = [_swings(s.u_V, record.Ts_s) for s in record.segments]
     time_s = np.concatenate([record.Ts_s * np.arange(s.samples, dtype=np.float64) for s in record.segments])[first:]
-    level_V = np.concatenate([s.u_V for s in record.segments])[first:]
+    level_V = record.u_V[first:]
     amplitude_V, f_Hz, direction, since_s = (np.concatenate(parts)[first:] for parts in zip(*swings, strict=True))
     error = error_um[first:]
     profiles = (

@@ -160,7 +160,7 @@ class Study(Displayed):
         """Share of the power of the displacement that lines hold, which do not depend on the voltage."""
         named = {cause.name: cause.parameters for cause in self.diagnosis.causes}.get("periodic", {})
         sizes_um = [size.value for key, size in named.items() if key.startswith("amplitude")]
-        y_um = np.concatenate([segment.y_um for segment in self.record.segments])
+        y_um = self.record.y_um
         return 0.5 * math.fsum(size * size for size in sizes_um) / float(y_um.var())
 
     @property

@@ -135,12 +135,12 @@ class Prepared:
     @property
     def y_um(self) -> Floats:
         """(n,) displacement of all segments."""
-        return np.concatenate([segment.y_um for segment in self.record.segments])
+        return self.record.y_um
 
     @property
     def u_V(self) -> Floats:
         """(n,) command of all segments."""
-        return np.concatenate([segment.u_V for segment in self.record.segments])
+        return self.record.u_V
 
     def identification(self) -> Record:
         """The part of the record before the cut."""
@@ -149,7 +149,11 @@ class Prepared:
     @cached_property
     def predicted_range_um(self) -> tuple[float, float]:
         """Range of the displacement over the whole command, predicted from the training rows."""
-        return predicted_range_um(self.record, self.training_rows, self.lag)
+        return _widened(*self._quasi_static)
+
+    @cached_property
+    def _quasi_static(self) -> tuple[Floats, float]:
+        return _quasi_static(self.record, self.training_rows, self.lag)
 
     def without(self, corrections: Sequence[Correction]) -> Prepared:
         """The same without changes of the displacement, whose time counts from the start of the first segment."""
@@ -164,7 +168,7 @@ class Prepared:
         """The scene, or the blocks of its rows to which the search looks (`excerpt`)."""
 
         def left_um() -> Floats:
-            return (self.y_um - _quasi_static(self.record, self.training_rows, self.lag)[0])[: self.cut]
+            return (self.y_um - self._quasi_static[0])[: self.cut]
 
         return excerpt(self.scene(), self.lag, left_um)
 
@@ -188,14 +192,17 @@ def predicted_range_um(record: Record, rows: Rows, lag: float) -> tuple[float, f
     The range of the quasi-static fit, widened at both ends by twice the rms of its residual. The displacement measured
     on `rows` is not enough: a later plateau can lie beyond it, and a model is undefined outside its grid.
     """
-    y_um, residual_um = _quasi_static(record, rows, lag)
+    return _widened(*_quasi_static(record, rows, lag))
+
+
+def _widened(y_um: Floats, residual_um: float) -> tuple[float, float]:
     return float(y_um.min()) - 2.0 * residual_um, float(y_um.max()) + 2.0 * residual_um
 
 
 def _quasi_static(record: Record, rows: Rows, lag: float) -> tuple[Floats, float]:
     """The fit of `predicted_range_um` to the rows `rows`: (n,) of the whole record, and rms of its residual there."""
     columns = _quasi_static_columns(_lagged(record, lag))
-    weights, residual_um = _fitted(columns[:, rows], _y_um(record)[rows])
+    weights, residual_um = _fitted(columns[:, rows], record.y_um[rows])
     return weights @ columns, residual_um
 
 
@@ -206,16 +213,12 @@ def quasi_static_lag(record: Record, rows: Rows) -> float:
     """
     # A constant stride would alias with a periodic command.
     few = rows if len(rows) <= LAG_ROWS else np.sort(np.random.default_rng(0).choice(rows, LAG_ROWS, replace=False))
-    y_um = _y_um(record)[few]
+    y_um = record.y_um[few]
 
     def residual_um(lag: float) -> float:
         return _fitted(_quasi_static_columns(_lagged(record, lag), few), y_um)[1]
 
     return float(min(LAGS.tolist(), key=residual_um))
-
-
-def _y_um(record: Record) -> Floats:
-    return np.concatenate([segment.y_um for segment in record.segments])
 
 
 def _fitted(columns: Floats, y_um: Floats) -> tuple[Floats, float]:

@@ -121,14 +121,14 @@ def fit_prandtl_ishlinskii(record: Record, plays: int = PAPER_PLAYS) -> PrandtlI
         raise FitError(f"{record.source}: the voltage is never positive, so [0, max(u)/2] holds no thresholds")
     thresholds = np.linspace(0.0, 0.5 * top, plays)
     rows = np.vstack([_plays(segment.whole().u_V, thresholds)[segment.past_samples :] for segment in record.segments])
-    solution = _least_squares(np.column_stack([rows, np.ones(len(rows))]), _measured(record))
+    solution = _least_squares(np.column_stack([rows, np.ones(len(rows))]), record.y_um)
     return PrandtlIshlinskii(thresholds, solution[:-1], float(solution[-1]))
 
 
 def fit_proportional(record: Record) -> Proportional:
     """The straight line y = u/K + c through a record. Raises FitError if the displacement does not rise with u."""
-    u = np.concatenate([segment.u_V for segment in record.segments])
-    slope, offset = _least_squares(np.column_stack([u, np.ones(u.size)]), _measured(record))
+    u = record.u_V
+    slope, offset = _least_squares(np.column_stack([u, np.ones(u.size)]), record.y_um)
     if slope == 0.0:
         raise FitError(f"{record.source}: the displacement does not follow the voltage; there is no gain to invert")
     return Proportional(1.0 / float(slope), float(offset))
@@ -169,10 +169,6 @@ def score_rivals(rivals: Sequence[Rival], record: Record, settle: int | Sequence
 def _plays(u_V: Floats, thresholds_V: Floats) -> Floats:
     """(n, m) play outputs after u(k) acts, initially centred on u(0)."""
     return play_operators(u_V, thresholds_V, np.full(thresholds_V.size, u_V[0]))
-
-
-def _measured(record: Record) -> Floats:
-    return np.concatenate([segment.y_um for segment in record.segments])
 
 
 def _least_squares(rows: Floats, target: Floats) -> Floats:

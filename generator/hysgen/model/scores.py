@@ -377,7 +377,7 @@ def conditions_of_fit(model: Model) -> Conditions:
 
 def _doubts(record: Record, free: Score, ahead: Score, resting: Score) -> Iterator[str]:
     """Lines for a model that is no better than a prediction without a model."""
-    y_um = np.concatenate([segment.y_um for segment in record.segments])
+    y_um = record.y_um
     if ahead.e_rms_um > resting.e_rms_um:
         yield (
             f"{record.source}: one step ahead the model is worse than persistence, y(k+1) = y(k): "

@@ -252,7 +252,7 @@ def _apart(study: Study) -> list[str]:
 
 def _follows(study: Study) -> bool:
     """Whether the extended model is better than a constant on the held-out rows."""
-    y_um = np.concatenate([segment.y_um for segment in study.record.segments])
+    y_um = study.record.y_um
     return study.diagnosis.remaining.rms_um < AS_A_CONSTANT * float(np.std(y_um[study.diagnosis.held_rows]))
 
 
