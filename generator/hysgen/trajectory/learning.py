@@ -20,8 +20,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
 from scipy.fft import dct, idct
+from scipy.ndimage import maximum_filter1d
 
 from hysgen.errors import RecordError
 from hysgen.feedback.stage import Uncertainty, draws, frequencies, response
@@ -138,9 +140,10 @@ def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floa
     n = errors[0].size
     half = max(round(NEAR * n), 1)
     window = np.hanning(2 * half + 1)
+    whole = scipy.signal.fftconvolve(np.ones(n), window, "same")
 
     def near(values: Floats) -> Floats:
-        return np.asarray(np.convolve(values, window, "same") / np.convolve(np.ones(n), window, "same"))
+        return np.asarray(scipy.signal.fftconvolve(values, window, "same") / whole)
 
     power = np.array([near(e**2) for e in errors])
     stays = np.zeros(n)
@@ -148,11 +151,12 @@ def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floa
         # The first step of a large error may spill into its neighbourhood: one repeat is not enough.
         ratio = power[k - 1 : k + 1].min(axis=0) / (power[: k - 1].min(axis=0) + NOISE_FACTOR * noise_um**2)
         stays[(ratio > 1.0) & bool(np.median(ratio) < 1.0)] = 1.0
-    back = near(stays)
+    # A window has no weight at its ends.
+    back, reached = near(stays), maximum_filter1d(stays, 2 * half - 1, mode="constant")
     best = np.arange(len(errors))[:, None] == np.argmin(power, axis=0)
     weights = np.array([back * near(row.astype(np.float64)) for row in best])
     weights[base] += 1.0 - weights.sum(axis=0)
-    return weights, 1.0 - near((back > 0.0).astype(np.float64))
+    return weights, 1.0 - near(reached)
 
 
 def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats]:
