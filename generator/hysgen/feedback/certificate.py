@@ -173,7 +173,7 @@ def design_loop(model: Model, given: Uncertainty, latency: float, before: Feedba
     starts = (ringing, wide, sorted([*ringing, *wide]))
     notches = () if before else _notches(stages, f_Hz, model.Ts_s, starts)
     block = before.filter if before else filter_block(notches, model.Ts_s)
-    filters = [] if block is None else [block.state_space(model.Ts_s)]
+    filters = _factors(block, model.Ts_s)
     loops = stages * response(filters, z)
     # In float32, and no larger than the largest one.
     gain = float(np.nextafter(np.float32(_gain(loops, model)), np.float32(0.0)))
@@ -215,8 +215,7 @@ def _notches(
     best: tuple[float, tuple[Notch, ...]] = float(bare_Hz.min()), ()
     for _ in range(ROUNDS):
         notches = best_filter(stages[searched], f_Hz, Ts_s, starts)
-        block = filter_block(notches, Ts_s)
-        loops = stages * response([] if block is None else [block.state_space(Ts_s)], z)
+        loops = stages * response(_factors(filter_block(notches, Ts_s), Ts_s), z)
         gains = largest_gains(loops)
         best = max(best, (float(bandwidths_Hz(gains.min() * loops, f_Hz).min()), notches), key=lambda pair: pair[0])
         worst = [int(row) for row in np.argsort(gains, kind="stable")[:WORST] if row not in searched]
@@ -224,6 +223,10 @@ def _notches(
             break
         searched += worst
     return best[1]
+
+
+def _factors(block: Structure | None, Ts_s: float) -> list[StateSpace]:
+    return [] if block is None else [block.state_space(Ts_s)]
 
 
 def _gain(loops: Complex, model: Model) -> float:
