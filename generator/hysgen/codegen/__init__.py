@@ -137,13 +137,15 @@ def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
 
     Not of a path that responds: its error is that of a displacement, on commands that light modes cannot follow.
     """
-    if not model.responds and (lost := beyond_references(model)) > 1.0:
+    if model.responds:
+        return
+    if (lost := beyond_references(model)) > 1.0:
         raise CertificateError(
             f"{model.name}: one sample of the input leaves its range of displacement, and no reference of the inverse "
             f"is within {lost:.3g} ranges of that input; fit it over a wider one, or generate without the inverse"
         )
     off, whole_V = errors.inverse_V, model.u_max_V - model.u_min_V
-    if not model.responds and off > MOST_MISSED * whole_V:
+    if off > MOST_MISSED * whole_V:
         raise CertificateError(
             f"{model.name}: the inverse in float32 is off by up to {off:.3g} V of {whole_V:.3g} V: one sample of "
             "the input leaves its range of displacement; fit it over a wider one, or generate without the inverse"

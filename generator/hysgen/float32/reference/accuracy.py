@@ -142,7 +142,7 @@ def _step_errors(
     numbers = instance.numbers
     wanted = np.clip((base + gain * w).astype(np.float32), numbers.reference_min_um, numbers.reference_max_um)
     w_back = backward.inverse(y, wanted)
-    exact_back = np.clip((wanted - base) / gain, float(instance.numbers.u_min_V), float(instance.numbers.u_max_V))
+    exact_back = np.clip((wanted - base) / gain, float(numbers.u_min_V), float(numbers.u_max_V))
     inside = (w_back > numbers.u_min_V) & (w_back < numbers.u_max_V)
     inside &= (wanted > numbers.reference_min_um) & (wanted < numbers.reference_max_um)
     reached, free = run.inverted(w_back)
@@ -155,12 +155,8 @@ def _correction(model: Model, samples: int, seed: int) -> float:
     if model.feedback is None:
         return 0.0
     lanes, reach = min(LANES, max(samples // RUN, 1)), float(coefficients(model).reach_um)
-    rng, mirror, free = (
-        np.random.default_rng(seed),
-        FeedbackMirror(model.feedback, lanes, model.Ts_s),
-        np.zeros(lanes, np.uint32),
-    )
-    largest = 0.0
+    rng, mirror = np.random.default_rng(seed), FeedbackMirror(model.feedback, lanes, model.Ts_s)
+    largest, free = 0.0, np.zeros(lanes, np.uint32)
     for _ in range(0, samples, lanes):
         residual = drawn(rng, -reach, reach, lanes).astype(np.float32)
         exact = real_correction(model.feedback, mirror, residual.astype(np.float64), model.Ts_s)
@@ -169,14 +165,11 @@ def _correction(model: Model, samples: int, seed: int) -> float:
 
 
 def beyond_references(model: Model) -> float:
-    """Largest share of the input's range by which a step f(y, w) passes the references of the inverse.
-
-    They reach by one range of y beyond both ends of it.
-    """
-    grid, w = model.grid, np.array([[model.w_range.low], [model.w_range.high]])
-    base, gain = _affine(model, np.linspace(grid.y_min_um, grid.y_max_um, LANES // RUN).astype(np.float32))
-    y_um, reach_um = base + gain * w, grid.y_max_um - grid.y_min_um
-    beyond_um = y_um - np.clip(y_um, grid.y_min_um - reach_um, grid.y_max_um + reach_um)
+    """Largest share of the input's range by which a step f(y, w) passes the references of the inverse."""
+    numbers, w = coefficients(model), np.array([[model.w_range.low], [model.w_range.high]])
+    base, gain = _affine(model, np.linspace(numbers.y_min_um, numbers.y_max_um, LANES // RUN).astype(np.float32))
+    y_um = base + gain * w
+    beyond_um = y_um - np.clip(y_um, numbers.reference_min_um, numbers.reference_max_um)
     return float(np.abs(beyond_um / gain).max() / (model.w_range.high - model.w_range.low))
 
 

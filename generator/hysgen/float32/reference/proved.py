@@ -41,16 +41,15 @@ def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
     """
     numbers, path = coefficients(model), w_error(model)
     extra = extra_error(model, corrected=True)
-    predict = (
-        np.inf if path == np.inf or extra == rounding.Extra(np.inf, np.inf) else rounding.worst(model, path, extra)
-    )
+    asked = extra_error(model, corrected=False) if inverse else None
+    bounded = path < np.inf and (extra is None or extra.error_um < np.inf)
+    predict = rounding.worst(model, path, extra) if bounded else np.inf
     if not predict < SLACK * max(abs(model.grid.y_min_um), abs(model.grid.y_max_um)):
         return None
     bounds = [np.inf, np.inf]
     if inverse and all(block.solves(model.Ts_s) for block in model.blocks):
         # The C compares the w that its path reaches with the one it wants.
         missed = path + 1.001 * float(numbers.w_tolerance) if model.responds else None
-        asked = extra_error(model, corrected=False)
         bounds[int(model.responds)] = rounding.worst(model, 0.0, asked, inverse=True, missed=missed)
     learnt = [np.inf, np.inf]
     if model.learner is not None:
@@ -58,7 +57,6 @@ def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
             banks = learnt_banks(model)
             learnt[0] = rounding.worst(model, path, extra, banks=banks)
             if inverse and not model.responds:
-                asked = extra_error(model, corrected=False)
                 learnt[1] = rounding.worst(model, 0.0, asked, inverse=True, banks=banks)
     stated = (bound if np.isfinite(bound) else None for bound in (*bounds, correction_error(model) or np.inf, *learnt))
     return ProvedErrors(predict, path, *stated)
