@@ -63,7 +63,7 @@ const char *hysgen_settings_check(const settings_t *settings)
         { "loop_high_V", s->loop_high_V, s->loop_low_V + WATCHDOG_STUCK_V, high_V },
         { "offset_um", s->offset_um, least, range_um },
         { "reference_step_um", s->reference_step_um, least, range_um },
-        { "follow_um", s->follow_um, 0.0f, range_um },
+        { "follow_um", s->follow_um, 0.0f, WATCHDOG_FOLLOW_MOST * range_um },
         { "reading_zero_um", s->reading_zero_um, -zero_um, zero_um },
         { "reading_gain", s->reading_gain, 1.0f - SETTINGS_GAIN, 1.0f + SETTINGS_GAIN },
         { "output_zero_V", s->output_zero_V, -zero_V, zero_V },

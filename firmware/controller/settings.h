@@ -43,7 +43,7 @@ typedef struct {
 
     /* Watchdog, see watchdog.h. |reading - model|, with the parameters of START and without feedback, beyond which the stage does not follow. A sensor that fails while
      * feedback and learning follow it is told before the stage is this far from where it belongs, and the model's own error. 0: 2 % of the
-     * model's range and 4 times the error that START found on the way back of LOOP and in HOLD, 16 % at most. */
+     * model's range and 4 times the error that START found on the way back of LOOP and in HOLD. Either way 16 % of the range at most. */
     float follow_um;
 
     /* Calibration of the converters, against the scales that the board was built with; as built: 0, 1, 0, 1.
@@ -59,7 +59,7 @@ typedef struct {
 /* Name of the first field that is not finite or must not run, or a null pointer. low_V .. high_V inside the board's, as calibrated too;
  * low_V < off_V, loop < high_V, the loop inside the model's range of inputs and a 64th of it wide at least; step_V at most a sixteenth of
  * that range; ramp_V at most step_V, and such that it crosses low_V .. high_V in state_samples, which are 10 minutes at most; HOLD long
- * enough for a mean; no guard looser than the model's range; converters within 10 % of their scales, and 5 % of their ranges. */
+ * enough for a mean; offset_um at most the model's range, follow_um 16 % of it; converters within 10 % of their scales, and 5 % of their ranges. */
 const char *hysgen_settings_check(const settings_t *settings);
 
 /* Word i of the settings, in the order above, for an image; and the other way. */

@@ -149,7 +149,7 @@ def test_a_reading_that_jumps_and_comes_back_moves_nothing_and_is_told() -> None
     assert FirmwareStatus.SENSOR_JUMP in firmware.status
     assert firmware.state is State.TRACK
     assert np.ptp(log.output_V) < 0.1
-    firmware = on_itself(Settings(step_V=8.0, reference_step_um=3.0, follow_um=3.0))
+    firmware = on_itself(Settings(step_V=8.0, reference_step_um=3.0, follow_um=0.49))
     firmware.run(np.repeat([1.0, 3.4, 1.0, 3.4], 500))
     assert (firmware.state, FirmwareStatus.SENSOR_JUMP in firmware.status) == (State.TRACK, False)
 
@@ -200,8 +200,8 @@ def test_the_stop_input_stops_and_keeps_from_starting() -> None:
 @pytest.mark.parametrize("level_um", [50.0, -50.0, 3e38, -3e38])
 def test_a_reference_step_beyond_the_range_is_followed_as_far_and_as_fast_as_allowed(level_um: float) -> None:
     reference_um = np.concatenate([sine(1000), np.full(3000, level_um), np.full(3000, REFERENCE_UM)])
-    settings = replace(SETTINGS, follow_um=3.0)
-    firmware = tracking(settings)
+    settings = replace(SETTINGS, follow_um=0.49)
+    firmware = on_itself(settings)
     before_V = firmware.board.output_V
     log = firmware.run(reference_um)
     assert_limits(log, before_V, settings)
@@ -222,7 +222,7 @@ def test_a_reference_that_is_no_number_holds_the_last_one(level: float) -> None:
 def test_any_bits_from_sensor_and_reference_keep_the_voltage_in_its_limits() -> None:
     rng = np.random.default_rng(7)
     for _ in range(20):
-        firmware = tracking(replace(SETTINGS, loop=True, follow_um=3.0))
+        firmware = tracking(replace(SETTINGS, loop=True, follow_um=0.49))
         before_V = firmware.board.output_V
         firmware.fail(
             BoardFault.READING, float(rng.integers(0, 1 << 32, dtype=np.uint32).view(np.float32)), 10, pattern=(1, 10)

@@ -11,7 +11,7 @@ from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
 from hysgen.model.model import Model
 
 LOW_V, HIGH_V = 22.0, 56.0
-LOOPED = Settings(loop=True, low_V=0.0, high_V=60.0, follow_um=3.0)
+LOOPED = Settings(loop=True, low_V=0.0, high_V=60.0, follow_um=0.49)
 
 
 def narrowed() -> Model:

@@ -95,7 +95,7 @@ def test_stored_settings_that_the_next_build_refuses_leave_the_built_in_ones_and
 
 
 def test_learnt_parameters_survive_power_off_once_they_are_written() -> None:
-    firmware, client = board(replace(BUILT, learn=True, keep=True, follow_um=1.0))
+    firmware, client = board(replace(BUILT, learn=True, keep=True, follow_um=0.49))
     built_in = firmware.bank()
     firmware.start(REFERENCE_UM)
     firmware.run(sine(60_000))

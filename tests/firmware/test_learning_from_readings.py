@@ -69,7 +69,7 @@ def test_the_voltage_is_put_out_before_the_learner_runs() -> None:
 
 def test_the_learner_gets_the_voltage_that_was_put_out_not_the_one_that_was_wanted() -> None:
     """The rate limit acts at every second sample or so."""
-    firmware = on_itself(replace(LEARNING, step_V=0.05, ramp_V=0.02, follow_um=3.0))
+    firmware = on_itself(replace(LEARNING, step_V=0.05, ramp_V=0.02, follow_um=0.49))
     learner, told = firmware.firmware.controller.learner, []
     firmware.stage.watch = lambda u_V: told.append((u_V, learner.u_V))
     firmware.run(sine(2000, 200.0))

@@ -44,7 +44,7 @@ def apart_nm(name: str, settings: Settings, references_um: np.ndarray) -> tuple[
 @pytest.mark.parametrize("step_V", [1.5, 0.5, 0.1])
 def test_model_and_stage_stay_the_same_to_the_bit_while_the_rate_limit_acts(step_V: float) -> None:
     """With the wished voltage in the model's state instead they were 13.6 nm apart (rms, 0.25 V per sample)."""
-    settings = Settings(step_V=step_V, follow_um=3.0, reference_step_um=0.5)
+    settings = Settings(step_V=step_V, follow_um=0.49, reference_step_um=0.5)
     error_nm, firmware = apart_nm("appendix_a", settings, triangle_um(4000, 1))
     assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
     assert np.abs(error_nm).max() == 0.0
@@ -67,7 +67,7 @@ def test_model_and_stage_stay_the_same_to_the_bit_while_the_range_of_the_output_
 def test_with_delay_hysteresis_and_creep_the_limits_leave_nothing_behind() -> None:
     """The delay of 1.8 samples needs the command to come; while the limit acts its error is that of one command."""
     for step_V, nm in ((1.5, 1.5), (0.25, 0.5)):
-        settings = Settings(step_V=step_V, follow_um=3.0, reference_step_um=0.5)
+        settings = Settings(step_V=step_V, follow_um=0.49, reference_step_um=0.5)
         references_um = np.concatenate([triangle_um(8000, 3), np.full(2000, CENTRE_UM)])
         error_nm, firmware = apart_nm("extended", settings, references_um)
         assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
@@ -88,7 +88,7 @@ def test_a_reference_step_that_the_settings_allow_is_no_fault(name: str) -> None
 
 
 def test_a_model_that_is_right_stays_right_while_it_learns_under_the_rate_limit() -> None:
-    settings = Settings(learn=True, step_V=0.5, reference_step_um=0.5, follow_um=3.0)
+    settings = Settings(learn=True, step_V=0.5, reference_step_um=0.5, follow_um=0.49)
     error_nm, firmware = apart_nm("appendix_a", settings, triangle_um(40_000, 1))
     assert FirmwareStatus.OUTPUT_SLEWED in firmware.status
     assert firmware.firmware.commits > 3

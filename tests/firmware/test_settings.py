@@ -116,7 +116,7 @@ def test_converters_off_their_scales_are_calibrated_by_the_settings() -> None:
     wrong_um = []
     right = {"reading_zero_um": 0.3, "reading_gain": 1.05, "output_zero_V": -0.4 / 1.03, "output_gain": 1.0 / 1.03}
     for calibration in (right, {}):
-        firmware = HostFirmware(image(), OffScale(model()), Settings(**calibration, follow_um=1.0))
+        firmware = HostFirmware(image(), OffScale(model()), Settings(**calibration, follow_um=0.49))
         firmware.start(REFERENCE_UM)
         firmware.run(np.full(2000, REFERENCE_UM))
         assert firmware.state is State.TRACK

@@ -42,7 +42,7 @@ def test_a_dead_sensor_that_flickers_by_one_bit_is_a_fault() -> None:
 
 def test_a_stage_at_rest_is_a_fault_whatever_offset_the_settings_allow() -> None:
     """Found by the fuzzer: limits of 2 um of stroke and offset let an amplifier pass that did not move."""
-    firmware = started(lambda _: 2.0, settings=Settings(offset_um=3.0, follow_um=3.0))
+    firmware = started(lambda _: 2.0, settings=Settings(offset_um=3.0, follow_um=0.49))
     assert firmware.state is State.TRIPPED
     assert FirmwareStatus(firmware.status & FAULTS) == FirmwareStatus.FAULT_STROKE
 

@@ -69,7 +69,7 @@ RANGES = {
     "loop_high_V": ((HIGH_V - LOW_V) / 64, HIGH_V),
     "offset_um": (LEAST, RANGE_UM),
     "reference_step_um": (LEAST, RANGE_UM),
-    "follow_um": (0.0, RANGE_UM),
+    "follow_um": (0.0, np.float32(0.16) * RANGE_UM),
     "reading_gain": GAINS,
     "output_gain": GAINS,
     "output_zero_V": (-7.0, 7.0),

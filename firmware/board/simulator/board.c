@@ -23,7 +23,7 @@ static settings_t simulated_settings = {
     .offset_um = 1.0f,
     .state_samples = 250000u,
     .reference_step_um = 0.05f,
-    .follow_um = 3.0f,
+    .follow_um = 0.45f,
     .reading_gain = 1.0f,
     .output_gain = 1.0f,
 };

@@ -42,8 +42,8 @@ void fuzz_settings(fuzz_t *self)
     s->offset_um = fuzz_float(self, 0.3f, 2.0f);
     s->state_samples = 20000u + fuzz_below(self, 100000u);
     s->reference_step_um = fuzz_float(self, 0.0001f, 1.0f);
-    s->follow_um = fuzz_float(self, 0.05f, 1.0f);
-    s->follow_um = (s->follow_um < 0.9f) ? s->follow_um : 0.0f;
+    s->follow_um = fuzz_float(self, 0.05f, 0.5f);
+    s->follow_um = (s->follow_um < 0.45f) ? s->follow_um : 0.0f;
     s->reading_gain = 1.0f;
     s->output_gain = 1.0f;
     if (fuzz_below(self, 4u) == 0u) {

@@ -46,7 +46,7 @@ frames from here on
 """
 
 
-OWN = {"ramp_V = 0.02f": "ramp_V = 0.05f", "follow_um = 0.0f": "follow_um = 1.0f"}
+OWN = {"ramp_V = 0.02f": "ramp_V = 0.05f", "follow_um = 0.0f": "follow_um = 0.49f"}
 OWN |= {"loop_low_V = 22.0f": "loop_low_V = 23.0f", "loop_high_V = 56.0f": "loop_high_V = 55.0f"}
 
 
