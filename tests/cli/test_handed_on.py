@@ -175,8 +175,8 @@ def test_a_fault_of_hysgen_is_one_line_with_an_exit_code_of_its_own(
     def broken(arguments: object) -> None:
         raise ZeroDivisionError("float\ndivision by zero")
 
-    monkeypatch.setattr("hysgen.cli.verbs.schema.names", broken)
-    monkeypatch.setattr("hysgen.cli.verbs.schema.text_of", broken)
+    monkeypatch.setattr("hysgen.cli.verbs.inspect.names", broken)
+    monkeypatch.setattr("hysgen.cli.verbs.inspect.text_of", broken)
     assert main(["schema", "score"]) == 3
     (line,) = capsys.readouterr().err.splitlines()
     assert re.match(

@@ -17,8 +17,7 @@ from hysgen.cli import main
 from hysgen.cli.console import Console, ProgressLine, command_line, folded
 from hysgen.cli.main import overview, parser
 from hysgen.cli.options import parse_rows, with_learner
-from hysgen.cli.outputs import check_device, check_file, check_files, check_writable, written_by_hysgen
-from hysgen.cli.verbs import NAMES
+from hysgen.cli.verbs import NAMES, check_device, check_file, check_files, check_writable, written_by_hysgen
 from hysgen.display import table
 from hysgen.errors import HysgenError, RecordError
 from hysgen.machine.files import version

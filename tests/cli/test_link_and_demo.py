@@ -13,7 +13,7 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.cli.console import Console
-from hysgen.cli.verbs import demo
+from hysgen.cli.verbs import diagnose as demo
 from hysgen.cli.verbs import firmware as verbs
 from hysgen.firmware.host import Request
 from hysgen.firmware.wire import LinkStatus

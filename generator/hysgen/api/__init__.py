@@ -6,5 +6,5 @@ model = study.model                         # or hysgen.fit(record, memory=True)
 code = hysgen.generate(model)               # the C, as text
 hysgen.verify(code)                         # the C compared with its reference, bit for bit
 
-models: from records to models, and models compared. diagnosing: causes and reports. code: C, its checks, firmware.
+models: from records to models and causes, models compared, reports. code: C, its checks, firmware.
 """

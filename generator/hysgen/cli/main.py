@@ -20,8 +20,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from hysgen.cli.console import Console, discard_stdout, folded
-from hysgen.cli.outputs import check_outputs
-from hysgen.cli.verbs import GROUPS, NAMES, Program, verb
+from hysgen.cli.verbs import GROUPS, NAMES, Program, check_outputs, verb
 from hysgen.display import WRITTEN_IN, written_in
 from hysgen.errors import HysgenError, nearest
 from hysgen.machine.files import version

@@ -9,8 +9,7 @@ import os
 from pathlib import Path
 
 from hysgen.cli.console import Console
-from hysgen.cli.outputs import Output
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.machine.files import write_whole

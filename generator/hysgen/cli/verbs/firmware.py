@@ -9,8 +9,7 @@ from pathlib import Path
 from hysgen.api.code import Generated, with_kernels
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model
-from hysgen.cli.outputs import Output, check_files
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb, check_files
 from hysgen.cli.verbs.generate import add_kernels, usable_model
 from hysgen.display import table
 from hysgen.errors import BuildError, ModelError

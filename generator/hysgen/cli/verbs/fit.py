@@ -16,8 +16,7 @@ from hysgen.cli.options import (
     read_records,
     with_learner,
 )
-from hysgen.cli.outputs import Output
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, PathSize

@@ -12,8 +12,7 @@ from hysgen.api.code import cost, generate, with_kernels
 from hysgen.checking.cost import Cost
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder, add_learner_options, add_model, with_learner
-from hysgen.cli.outputs import Output, check_files
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb, check_files
 from hysgen.codegen import Derived, Options
 from hysgen.codegen.manifest import MANIFEST, read_folder, stale
 from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ

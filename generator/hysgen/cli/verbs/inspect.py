@@ -1,4 +1,7 @@
-"""inspect: what a file holds, before any analysis; alone in its module, so that fits and pages are not imported."""
+"""inspect: what a file holds, before any analysis; schema: the JSON Schemas of results, model files and manifests.
+
+Apart from the other verbs, so that fits and pages are not imported.
+"""
 
 import argparse
 from pathlib import Path
@@ -7,6 +10,7 @@ from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Verb
 from hysgen.diagnosis.identifiability import inspect
+from hysgen.schemas import names, text_of
 
 INSPECT_HELP = """\
 Say what a file holds: channels, units, rate, ranges, noise, excitation, and what each cause needs to show.
@@ -38,4 +42,24 @@ def run_inspect(arguments: argparse.Namespace, console: Console) -> int:
 
 EXAMPLES = ("hysgen inspect log.tdms", "hysgen inspect record.csv --plot record.png --json -")
 
-VERBS = {"inspect": Verb(INSPECT_HELP, inspect_arguments, run_inspect, examples=EXAMPLES)}
+
+SCHEMA_HELP = """\
+Print the JSON Schema of what --json writes, of a model file or of a manifest; without a name, list them."""
+
+
+def schema_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", metavar="NAME", help="as score, score-1, model, manifest")
+
+
+def run_schema(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.name is None:
+        console.say("\n".join(names()))
+    else:
+        console.say(text_of(arguments.name).rstrip("\n"))
+    return console.finish({"schemas": names()})
+
+
+VERBS = {
+    "inspect": Verb(INSPECT_HELP, inspect_arguments, run_inspect, examples=EXAMPLES),
+    "schema": Verb(SCHEMA_HELP, schema_arguments, run_schema, examples=("hysgen schema score > score.schema.json",)),
+}

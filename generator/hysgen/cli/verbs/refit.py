@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from hysgen.api.code import generate_again, verify
-from hysgen.api.diagnosing import diagnose
+from hysgen.api.models import diagnose
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, read_records
-from hysgen.cli.outputs import Output
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb
 from hysgen.codegen.manifest import stale
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.diagnosis.causes import causes

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from hysgen.api.models import design_loop, simulate, waveform
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_model, says_reading
-from hysgen.cli.outputs import Output
-from hysgen.cli.verbs import Verb
+from hysgen.cli.verbs import Output, Verb
 from hysgen.cli.verbs.generate import usable_model
 from hysgen.display import WRITTEN_IN, Displayed
 from hysgen.errors import HysgenError
