@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import signal
 
 import hysgen
+from fixtures import soft_springs
 from hysgen.cli import main
+from hysgen.diagnosis import diagnose
 from hysgen.errors import HysgenError
 from hysgen.feedback.certificate import margins
 from hysgen.feedback.design import Notch, filter_block, largest_gains, zpk
@@ -19,6 +22,7 @@ from hysgen.float32.reference.instance import Instance
 from hysgen.model.feedback import Feedback
 from hysgen.model.file import load_model
 from hysgen.model.path.delay import Delay
+from hysgen.model.path.softening import Softening
 from hysgen.model.path.structure import Structure
 from hysgen.record.read import demo_record, record_csv
 
@@ -42,6 +46,64 @@ def test_a_thousand_chains_settle_with_six_tenths_of_their_first_mode(modes: int
     y = np.abs(loops.pushed(model, loop, np.random.default_rng(modes), 2 * samples))
     # What is left rings in the light modes, which the loop lets alone.
     assert (y.max() < 2.5, y[:, samples:].max() < 0.1, y[:, -50:].max() < 0.05) == (True, True, True)
+
+
+@pytest.mark.parametrize("s", [0.0, 0.5])
+def test_a_held_amplitude_is_a_linear_stage_of_the_own_drive(s: float) -> None:
+    """Against the equations of `softening` sample by sample, at an amplitude that does not move."""
+    block = Softening.examples(np.random.default_rng(0))[0]
+    (Q, R), poles, a = block.of_drives, block.poles(block.Ts_s, s), math.exp(-block.Ts_s / block.lag_s)
+    x = np.append(0.0, np.random.default_rng(1).normal(size=400))
+    c, y = np.zeros(2, dtype=complex), np.zeros(401)
+    for k in range(1, 401):
+        y[k] = c.real.sum()
+        c = c + (1.0 - poles) * (Q[:, 0] * x[k] - c) + s * R[:, 0] * (x[k] - x[k - 1])
+    system = (*(np.atleast_2d(part) for part in block.held(s, block.Ts_s)), 1.0)
+    _, w, _ = signal.dlsim((system[0], system[1].T, *system[2:]), x)
+    np.testing.assert_allclose(w[1:-1, 0], (y[2:] - a * y[1:-1]) / (1.0 - a), atol=1e-9 * np.abs(w).max())
+
+
+@pytest.mark.slow
+@pytest.mark.proof
+def test_a_loop_around_modes_that_soften_holds_on_springs_that_yield_under_another_drive() -> None:
+    """128 stages of which no model of hysgen has the equation, shaken by the other drive from nothing to all of it."""
+    known, again = soft_springs.record((0.5, 1.0, 2.0), 3000, 1, 40.0), soft_springs.record((1.0,), 3000, 2, 40.0)
+    loop = hysgen.design_loop(model := diagnose(known, again).model)
+    assert [block.kind for block in model.blocks][-1] == "softening"
+    assert loop.certificate.holds
+    assert loop.certificate.bandwidth_Hz > 10.0 * loop.certificate.integral_Hz
+    looped = loop.around(model)
+    assert "float stage_correct(stage_t *self" in hysgen.generate(looped)["stage.h"]
+    level = np.repeat([0.0, 0.3, 1.0, 2.0], 32)
+    t = soft_springs.TS_S * np.arange(2400)
+
+    def displaced(closed: bool) -> NDArray[np.float64]:
+        """(samples, lanes): 1500 samples of noise on top of a slow push of the other drive, then the push alone."""
+        rng, rest = np.random.default_rng(3), np.zeros(level.size, np.float32)
+        varied = [
+            1.0 + share * rng.uniform(-1.0, 1.0, (level.size, n)) for share, n in ((0.009, 2), (0.2, 1), (0.2, 1))
+        ]
+        stage = soft_springs.Springs(
+            level.size, varied[0] * soft_springs.F_HZ, varied[1] * soft_springs.ZETA, varied[2] * 40.0
+        )
+        gain, inverse = rng.uniform(0.9, 1.1, level.size), Instance(looped, rest, rest)
+        shaken = np.repeat(rng.uniform(-1.0, 1.0, (750, level.size)), 2, axis=0) * level
+        other = 0.3 * np.sin(20.0 * np.pi * t)[:, None] + np.append(shaken, np.zeros((900, level.size)), axis=0)
+        other, asked, u_V, y_um = np.clip(other, -2.0, 2.0), rest, 0.0 * level, np.empty((t.size, level.size))
+        for k in range(t.size):
+            y_um[k] = stage.x.sum(axis=1)
+            inverse.aux([other[k].astype(np.float32)])
+            aim = inverse.correct((-y_um[k]).astype(np.float32)) if closed else rest
+            # The voltage of the sample before acts now.
+            stage.step(np.stack([gain * u_V, other[k]], axis=1))
+            u_V, asked = inverse.inverse(asked, aim).astype(np.float64), aim
+        return y_um
+
+    left, pushed = displaced(True), displaced(False)
+    assert np.abs(left[1000:, :32]).max() < 0.15 * np.abs(pushed[1000:, :32]).max()
+    assert (np.abs(left).max(axis=0) < 1.5 * np.abs(pushed).max(axis=0))[32:].all()
+    # What shook it dies out at every amplitude.
+    assert (np.abs(left[2300:]).max(axis=0) < 0.1 * np.abs(left[:1500]).max(axis=0))[32:].all()
 
 
 def test_a_filter_is_better_than_none_where_few_draws_miss_the_one_that_bounds_the_integral() -> None:

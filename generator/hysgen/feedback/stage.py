@@ -6,7 +6,8 @@ a' and B' are the lag and the blocks of the stage, a and B those of the model. A
 stands alone; a delay is its preview in whole samples. The inverse takes hysteresis and rules at the level of the model,
 so g = 1, but for the error of the local slope. Creep is slower than any loop and is left to g; saturation and slew are
 limits, at which the integral stands still. States in the loop of a mode stand between springs (small amplitudes) and
-nothing (large ones).
+nothing (large ones); modes that follow their amplitude (`softening`) are held at any one of it, under the own drive.
+Other drives push the stage: they are no part of P.
 """
 
 import dataclasses
@@ -26,8 +27,7 @@ from hysgen.model.model import Model
 from hysgen.model.path.base import StateSpace, inverted
 from hysgen.model.path.loop import Loop
 from hysgen.model.path.modes import LEAST_DAMPING, MOST_DAMPING, Modes
-from hysgen.model.path.softening import Softening
-from hysgen.model.path.structure import Structure
+from hysgen.model.path.softening import ENDS, Softening
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -46,6 +46,16 @@ LOWEST = 1e-5
 
 RINGS, LEAST_SHARE = 0.3, 0.01
 """Damping ratio below which a pole rings, and share of the displacement from which on a mode counts."""
+
+Ringing = Modes | Loop | Softening
+"""Blocks that ring."""
+
+UNVARIED = ("fall", "fall_quadrature", "seen", "seen_quadrature")
+OF_MODES = ("f_Hz", "zeta", *UNVARIED, "share", "quadrature", "swing", "swing_quadrature")
+"""Fields of a block that hold numbers of each mode."""
+
+HELD = (ENDS[0], 0.5 * ENDS[1], ENDS[1])
+"""Amplitudes at which modes that follow it are looked at."""
 
 
 @dataclass(frozen=True)
@@ -72,23 +82,33 @@ class Uncertainty:
 
 
 def draws(model: Model) -> Floats:
-    """(1024, d) numbers from -1 to 1: what every uncertain number of the stage differs by, in half widths.
+    """(1024, d) numbers from -1 to 1: what every uncertain number of the stage differs by, in half widths."""
+    alone = sum(_alone(block)[-1] + 1 for block in model.blocks if isinstance(block, Modes | Softening))
+    return np.asarray(2.0 * scipy.stats.qmc.Sobol(4 + 3 * alone, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
 
-    Raises ModelError for modes that move with amplitude: no linear stage is near them.
+
+def _alone(block: Modes | Softening) -> list[int]:
+    """To which of the modes that stand alone each one belongs: those nearer than their half widths move together.
+
+    An identification takes several for one that is not quite linear; no reading tells them apart.
     """
-    if any(isinstance(block, Softening) for block in model.blocks):
-        raise ModelError(f"{model.name}: its modes move with amplitude; no loop is designed around them")
-    modes = sum(len(block.f_Hz) for block in model.blocks if isinstance(block, Modes))
-    return np.asarray(2.0 * scipy.stats.qmc.Sobol(4 + 3 * modes, scramble=False).random_base2(LOG2_DRAWS) - 1.0)
+    f, widths = np.array(block.f_Hz), np.array(block.f_Hz) * block.zeta
+    return [0, *np.cumsum(np.diff(f) > widths[1:] + widths[:-1]).tolist()]
 
 
 def modes_of(model: Model) -> list[tuple[float, float]]:
-    """Frequency in Hz and damping ratio of every mode with LEAST_SHARE of the displacement or more, lowest first."""
+    """Frequency in Hz and damping ratio of every mode with LEAST_SHARE of the displacement or more, lowest first.
+
+    A mode that follows its amplitude stands at each of HELD.
+    """
     modes: list[tuple[float, float]] = []
     for block in model.blocks:
         if isinstance(block, Modes):
             rows = zip(block.f_Hz, block.zeta, block.residues(), strict=True)
             modes += [(f, zeta) for f, zeta, q in rows if abs(q) >= LEAST_SHARE]
+        elif isinstance(block, Softening):
+            counts = np.abs(block.of_drives[0][:, 0]) >= LEAST_SHARE
+            modes += [(f, zeta) for s in HELD for f, zeta in np.transpose(block.natural(s))[counts].tolist()]
         modes += [(block.f_Hz, block.zeta)] if isinstance(block, Loop) else []
     return sorted(modes)
 
@@ -107,30 +127,34 @@ def stage(model: Model, unit: Floats, given: Uncertainty, samples: float) -> lis
     varied = iter(np.reshape(rest, (-1, 3)))
     chain: list[StateSpace] = [(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0 + given.gain * gain)]
     for block in model.blocks:
-        if isinstance(block, Modes):
-            chain.append(_space(_varied(block, np.array([next(varied) for _ in block.f_Hz]), given), model.Ts_s))
-        elif isinstance(block, Loop):
+        if isinstance(block, Modes | Softening):
+            alone = _alone(block)
+            block = _varied(block, np.array([next(varied) for _ in range(alone[-1] + 1)])[alone], given)
+        if isinstance(block, Ringing):
             chain.append(_space(block, model.Ts_s, 0.5 + 0.5 * spring))
     a = _pole(model) ** (1.0 / (1.0 + given.lag * lag))
     chain.append((np.array([[a]]), np.array([1.0 - a]), np.ones(1), 0.0))
     return [*chain, _delayed(max(samples + given.late * late, 0.0))]
 
 
-def _space(block: Modes | Loop, Ts_s: float, spring: float = 0.5) -> StateSpace:
-    return block.state_space(Ts_s) if isinstance(block, Modes) else _loop_space(block, spring, Ts_s)
+def _space(block: Ringing, Ts_s: float, share: float = 0.5) -> StateSpace:
+    """share: of the springs, or of the amplitude."""
+    if isinstance(block, Modes):
+        return block.state_space(Ts_s)
+    return block.held(share * ENDS[1], Ts_s) if isinstance(block, Softening) else _loop_space(block, share, Ts_s)
 
 
 def lines(model: Model) -> list[tuple[float, float]]:
     """Frequency in Hz and damping ratio of what rings in P: poles of the inverse, or of blocks that it leaves out."""
     ringing: list[tuple[float, float]] = []
     for block in model.blocks:
-        if isinstance(block, Modes | Loop):
-            space = _space(block, model.Ts_s)
-            matrix = (inverted(space) if block.solves(model.Ts_s) else space)[0]
-            for pole in np.linalg.eigvals(matrix).astype(np.complex128):
-                f_Hz, zeta = natural(pole, model.Ts_s)
-                if pole.imag > 0.0 and zeta < RINGS:
-                    ringing.append((f_Hz, max(zeta, LEAST_DAMPING)))
+        for share in (0.0, 1.0) if isinstance(block, Softening) else (0.5,):
+            if isinstance(block, Ringing):
+                space = _space(block, model.Ts_s, share)
+                matrix = (inverted(space) if block.solves(model.Ts_s) else space)[0]
+                poles = np.linalg.eigvals(matrix).astype(np.complex128)
+                named = [natural(pole, model.Ts_s) for pole in poles[poles.imag > 0.0]]
+                ringing += [(f_Hz, max(zeta, LEAST_DAMPING)) for f_Hz, zeta in named if zeta < RINGS]
     return sorted(ringing)
 
 
@@ -138,7 +162,11 @@ def frequencies(model: Model, given: Uncertainty) -> Floats:
     """Frequencies that resolve every mode wherever the uncertainty takes it, (n,), below half the sampling rate."""
     Ts_s = model.Ts_s
     parts = [np.geomspace(LOWEST / Ts_s, 0.499 / Ts_s, POINTS)]
-    for f_Hz, zeta in (*modes_of(model), *lines(model)):
+    resolved: list[float] = []
+    for zeta, f_Hz in sorted((zeta, f_Hz) for f_Hz, zeta in (*modes_of(model), *lines(model))):
+        if any(abs(f_Hz - other) < zeta * f_Hz for other in resolved):
+            continue
+        resolved.append(f_Hz)
         sharp = zeta * max(1.0 - given.damping, 0.1)
         reach = given.frequency + given.share + WIDTHS * sharp
         parts.append(f_Hz * (1.0 + reach * np.linspace(-1.0, 1.0, min(math.ceil(4.0 * reach / sharp), MOST_NEAR))))
@@ -177,17 +205,18 @@ def _pole(model: Model) -> float:
     return min(max(float(slope(model, *middle)[0]), 1e-6), 1.0 - 1e-6)
 
 
-def _varied(block: Modes, unit: Floats, given: Uncertainty) -> Modes:
+def _varied(block: Modes | Softening, unit: Floats, given: Uncertainty) -> Modes | Softening:
     """The block with other frequencies, damping ratios and shares; unit: (m, 3)."""
     f = np.array(block.f_Hz) * (1.0 + given.frequency * unit[:, 0])
     zeta = np.clip(np.array(block.zeta) * (1.0 + given.damping * unit[:, 1]), LEAST_DAMPING, MOST_DAMPING)
-    scale = 1.0 + given.share * unit[:, 2]
-    order = np.argsort(f)
-    changes: Any = {"f_Hz": f, "zeta": zeta, "share": np.array(block.share) * scale}
-    if isinstance(block, Structure):
-        changes["quadrature"] = np.array(block.quadrature) * scale
-    for name, values in changes.items():
-        changes[name] = tuple(values[order].tolist())
+    factors = {"f_Hz": f / block.f_Hz, "zeta": zeta / block.zeta} | dict.fromkeys(UNVARIED, np.ones(f.size))
+    scale, changes = 1.0 + given.share * unit[:, 2], dict[str, Any]()
+    if isinstance(block, Softening):
+        # All of the displacement is of its modes: the static gain varies by `gain` alone.
+        scale /= block.of_drives[0][:, 0].real @ scale
+    for name in (name for name in OF_MODES if hasattr(block, name)):
+        rows = np.reshape(getattr(block, name), (f.size, -1)) * factors.get(name, scale)[:, None]
+        changes[name] = tuple(rows[np.argsort(f)].ravel().tolist())
     return dataclasses.replace(block, **changes)
 
 

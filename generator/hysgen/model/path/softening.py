@@ -27,7 +27,7 @@ from hysgen.machine.kernels.operators import softening_states
 from hysgen.machine.reproducible import expm1
 from hysgen.model.float32_arithmetic import KEPT
 from hysgen.model.intervals import Interval
-from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock, singles
+from hysgen.model.path.base import BlockBox, Floats, Floats32, InputBlock, StateSpace, singles
 from hysgen.model.path.channels import Channels
 from hysgen.model.path.modes import Modes
 from hysgen.model.path.softening_mirror import SHARES, SofteningMirror
@@ -113,14 +113,14 @@ class Softening(Channels, InputBlock):
         return np.asarray((1.0 - self._modes.steps(Ts_s)) * (1.0 + s * Ts_s * fall))
 
     @functools.cached_property
-    def _by_drive(self) -> tuple[Complex, Complex]:
+    def of_drives(self) -> tuple[Complex, Complex]:
         """Q and R, (m, 1 + j) each."""
         Q, R, S, T = (np.reshape(getattr(self, name), (len(self.f_Hz), -1)) for name in SHARES)
         return Q + 1j * R, S + 1j * T
 
     def numbers(self, Ts_s: float) -> Floats:
         """(m, 6 + 4 (1 + j)) the numbers of every mode as `softening_states` takes them."""
-        (Q, R), poles = self._by_drive, self.poles(Ts_s)
+        (Q, R), poles = self.of_drives, self.poles(Ts_s)
         z = np.array(self.seen) + 1j * np.array(self.seen_quadrature)
         first = [part for x in (poles, self.poles(Ts_s, 1.0) - poles, z) for part in (x.real, x.imag)]
         return np.column_stack([*first, Q.real, Q.imag, R.real, R.imag])
@@ -129,6 +129,19 @@ class Softening(Channels, InputBlock):
         """(m,) undamped frequency in Hz and damping ratio of each mode at the held amplitude s."""
         rates = np.log(self.poles(self.Ts_s, s)) / self.Ts_s
         return np.abs(rates) / (2.0 * np.pi), -rates.real / np.abs(rates)
+
+    def held(self, s: float, Ts_s: float) -> StateSpace:
+        """The own drive, about the level, to w at the held amplitude s; state: positions, velocities and the last v."""
+        (Q, R), poles, a_left = self.of_drives, self.poles(Ts_s, s), -expm1(-Ts_s / self.lag_s)
+        of_v, of_last = (1.0 - poles) * Q[:, 0] + s * R[:, 0], -s * R[:, 0]
+        m = poles.size
+        A, B = np.zeros((2 * m + 1, 2 * m + 1)), np.concatenate([of_v.real, of_v.imag, [1.0]])
+        A[:-1, :-1] = np.block(
+            [[np.diag(poles.real), -np.diag(poles.imag)], [np.diag(poles.imag), np.diag(poles.real)]]
+        )
+        A[:-1, -1] = np.concatenate([of_last.real, of_last.imag])
+        seen = np.concatenate([np.ones(m), np.zeros(m + 1)])
+        return A, B, seen @ (A - (1.0 - a_left) * np.eye(2 * m + 1)) / a_left, float(of_v.real.sum()) / a_left
 
     def rate(self, Ts_s: float) -> float:
         """Share of its way that the amplitude goes in a sample."""
@@ -264,7 +277,7 @@ class Softening(Channels, InputBlock):
 @functools.lru_cache(maxsize=64)
 def _magnitudes(block: Softening) -> Floats:
     """(1 + j,) sum of |y(k)| for a unit impulse of each drive, at the least or the largest amplitude: the larger."""
-    Q, R = block._by_drive
+    Q, R = block.of_drives
     sums = []
     for s in ENDS:
         poles = block.poles(block.Ts_s, s)[:, None]
