@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from fixtures.commit_border import acceptance_boundary, answers, directions
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import START_UM, START_V, sized, texts_of
-from fixtures.tools import need
 from hysgen.certify.certificates import certify
 from hysgen.checking.bits.comparison import committer_of, compare_commit
 from hysgen.checking.host import Host, compiled
@@ -36,7 +35,6 @@ commits = importlib.import_module("commits")
 Floats = NDArray[np.float64]
 Floats32 = NDArray[np.float32]
 
-GCC, CLANG = Toolchain("gcc", ("-O2",)), Toolchain("clang", ("-O3",))
 CC = Toolchain("cc", ("-O2",))
 """What this machine has: gcc or clang."""
 
@@ -58,23 +56,6 @@ def remembering() -> Model:
         weights=np.array([1e-3, 2e-3]),
         learner=LearnerSettings(),
     )
-
-
-BUILDS = [
-    (sized(6, points_per_call=7), GCC),
-    (remembering(), CLANG),
-]
-
-
-@pytest.mark.parametrize(("model", "toolchain"), BUILDS, ids=lambda given: getattr(given, "name", str(given)))
-@pytest.mark.slow
-def test_commit_equals_its_reference_in_every_word_after_every_call(model: Model, toolchain: Toolchain) -> None:
-    """Candidate, banks, which is active, reference parameters, answer; shadows change while they are checked."""
-    need(toolchain.command)
-    builds, _ = compiled(model.name, texts_of(model), [toolchain])
-    run, wrong = compare_commit(model, builds, seed=1)
-    assert not wrong, wrong[0]
-    assert run.samples > 800
 
 
 @pytest.mark.slow

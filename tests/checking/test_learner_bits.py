@@ -9,24 +9,11 @@ import pytest
 
 from fixtures.learner_bench import Floats32, Pair, corrupted, sized, texts_of
 from fixtures.proof_models import texts
-from fixtures.tools import need
-from hysgen.checking.bits.comparison import Task, compare_task
-from hysgen.checking.bits.functions import LEARNER, STYLES
-from hysgen.checking.host import Host, compiled
+from hysgen.checking.host import Host
 from hysgen.errors import HysgenError
-from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.structs import Member
-
-GCC, CLANG = Toolchain("gcc", ("-O3",)), Toolchain("clang", ("-O2",))
-
-
-@pytest.mark.slow
-def test_generated_learner_equals_reference_bit_for_bit_sample_by_sample() -> None:
-    """Every compared word after every sample of one chain: the reference really runs it in a row. Of other sizes and
-    subsets it is proved (test_translation.py)."""
-    assert Pair(sized(6, settle=200)).first_difference(*corrupted(600)) is None
 
 
 def losing(pair: Pair) -> Iterator[tuple[Floats32, Floats32]]:
@@ -95,17 +82,6 @@ def test_a_learner_starts_with_every_state_of_the_model_and_of_what_the_input_pa
 def test_a_state_that_cannot_be_copied_number_by_number_is_refused(kind: Any, sizes: tuple[int, ...]) -> None:
     with pytest.raises(HysgenError, match="is a float or a uint32_t, alone or with up to two sizes"):
         Member("x", kind, "state", sizes)
-
-
-@pytest.mark.parametrize(("size", "toolchain"), [(6, CLANG), (18, GCC)], ids=lambda value: str(value))
-@pytest.mark.slow
-def test_long_chains_are_equal_by_induction_with_and_without_flush_to_zero(size: int, toolchain: Toolchain) -> None:
-    need(toolchain.command)
-    model = sized(size, settle=512)
-    builds, _ = compiled(model.name, texts_of(model), [toolchain])
-    for style in STYLES:
-        _, wrong = compare_task(model, builds, Task(LEARNER, "learn", style), 2000, 7, lambda samples: None)
-        assert not wrong, wrong[0]
 
 
 @pytest.mark.slow
