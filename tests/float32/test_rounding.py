@@ -10,11 +10,11 @@ from fixtures.drawn_models import random_model
 from fixtures.generated_models import diagnosed, everything, hysteresis, learning, path, relaxing, smooth
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learned_model, learner_numbers
-from hysgen.float32.reference import rounding, term_rounding
+from hysgen.float32.reference import enclosed, rounding, term_rounding
 from hysgen.float32.reference.accuracy import accuracy
+from hysgen.float32.reference.enclosed import Enclosed, Interval, Tape
 from hysgen.float32.reference.path_rounding import w_error
 from hysgen.float32.reference.proved import proved_errors
-from hysgen.float32.reference.rounding import Enclosed, Interval, Tape
 from hysgen.float32.reference.term_rounding import correction_error
 from hysgen.model import float32_arithmetic
 from hysgen.model.disturbances import Term
@@ -90,7 +90,7 @@ def test_every_source_of_error_of_a_block_is_in_its_bound(block: InputBlock, mon
     model = behind(block)
     found, whole = accuracy(model, 20_000, inverse=False).path, w_error(model)
     assert 0.0 < found < whole
-    for name in ("rounding.HALF_BIT", "path_rounding.HALF_BIT"):
+    for name in ("enclosed.HALF_BIT", "step_numbers.HALF_BIT"):
         monkeypatch.setattr(f"hysgen.float32.reference.{name}", 0.0)
     monkeypatch.setattr(float32_arithmetic, "POWER_RELATIVE_ERROR", 0.0)
     assert w_error(model) < found or block in (ALONE[0], MODES, *LOOPS)
@@ -109,7 +109,7 @@ def test_every_source_of_error_is_in_the_bound(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(rounding, "ENOUGH", 1.002)
     bounds = [bound_um(model)]
     for lost in ("POWER_RELATIVE_ERROR", "RECIPROCAL_RELATIVE_ERROR", "HALF_BIT"):
-        monkeypatch.setattr(rounding if lost == "HALF_BIT" else float32_arithmetic, lost, 0.0)
+        monkeypatch.setattr(enclosed if lost == "HALF_BIT" else float32_arithmetic, lost, 0.0)
         bounds.append(bound_um(model))
     assert bounds == sorted(set(bounds), reverse=True)
     assert bounds[-1] < accuracy(model, 40_000).predict_um
@@ -134,7 +134,7 @@ def test_the_error_of_a_disturbance_is_in_the_bound(term: Term, monkeypatch: pyt
     assert share * errors.proved.predict_um < errors.predict_um < errors.proved.predict_um
     assert errors.proved.inverse_V is not None
     assert errors.inverse_V < errors.proved.inverse_V
-    for name in ("rounding.HALF_BIT", "path_rounding.HALF_BIT", "term_rounding.COSINE_ERROR"):
+    for name in ("enclosed.HALF_BIT", "step_numbers.HALF_BIT", "term_rounding.COSINE_ERROR"):
         monkeypatch.setattr(f"hysgen.float32.reference.{name}", 0.0)
     assert bound_um(model) < 0.6 * errors.proved.predict_um
 
@@ -166,7 +166,7 @@ def test_the_bound_of_a_correction_holds_and_counts_its_roundings(monkeypatch: p
     assert errors.proved is not None
     assert errors.proved.correct_um is not None
     assert errors.correct_um < errors.proved.correct_um < 10.0 * errors.correct_um
-    for name in ("rounding.HALF_BIT", "path_rounding.HALF_BIT", "term_rounding.HALF_BIT"):
+    for name in ("enclosed.HALF_BIT", "step_numbers.HALF_BIT", "term_rounding.HALF_BIT"):
         monkeypatch.setattr(f"hysgen.float32.reference.{name}", 0.0)
     without = correction_error(model)
     assert without is not None

@@ -12,17 +12,10 @@ from typing import Final
 import numpy as np
 
 from hysgen.float32.coefficients import coefficients
-from hysgen.float32.reference.path_rounding import (
-    Bounded,
-    Complex,
-    Number,
-    Numbers,
-    Real,
-    every,
-    output,
-    summed,
-)
-from hysgen.float32.reference.rounding import HALF_BIT, Enclosed, Extra, Floats, Interval, Tape, largest_error
+from hysgen.float32.reference.enclosed import HALF_BIT, Enclosed, Floats, Interval, Tape, largest_error
+from hysgen.float32.reference.path_rounding import output, summed
+from hysgen.float32.reference.rounding import Extra
+from hysgen.float32.reference.step_numbers import Bounded, Complex, Number, Numbers, Real, every
 from hysgen.model.disturbances import Mirror, Term
 from hysgen.model.disturbances.base import box_of
 from hysgen.model.disturbances.coupling import Coupling, Drives
