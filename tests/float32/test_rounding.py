@@ -11,10 +11,9 @@ from fixtures.generated_models import diagnosed, everything, hysteresis, learnin
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learned_model, learner_numbers
 from hysgen.float32.reference import enclosed, rounding, term_rounding
-from hysgen.float32.reference.accuracy import accuracy
+from hysgen.float32.reference.accuracy import accuracy, proved_errors
 from hysgen.float32.reference.enclosed import Enclosed, Interval, Tape
 from hysgen.float32.reference.path_rounding import w_error
-from hysgen.float32.reference.proved import proved_errors
 from hysgen.float32.reference.term_rounding import correction_error
 from hysgen.model import float32_arithmetic
 from hysgen.model.disturbances import Term

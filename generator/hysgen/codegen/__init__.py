@@ -139,16 +139,11 @@ def _require_inverse_resolution(model: Model, errors: Accuracy) -> None:
     """
     if model.responds:
         return
-    if (lost := beyond_references(model)) > 1.0:
+    missed = errors.inverse_V / (model.u_max_V - model.u_min_V)
+    if missed > MOST_MISSED or (missed := beyond_references(model)) > 1.0:
         raise CertificateError(
-            f"{model.name}: one sample of the input leaves its range of displacement, and no reference of the inverse "
-            f"is within {lost:.3g} ranges of that input; fit it over a wider one, or generate without the inverse"
-        )
-    off, whole_V = errors.inverse_V, model.u_max_V - model.u_min_V
-    if off > MOST_MISSED * whole_V:
-        raise CertificateError(
-            f"{model.name}: the inverse in float32 is off by up to {off:.3g} V of {whole_V:.3g} V: one sample of "
-            "the input leaves its range of displacement; fit it over a wider one, or generate without the inverse"
+            f"{model.name}: one sample of the input leaves its range of displacement, and the inverse is off by up to "
+            f"{missed:.3g} of the range of the input; fit it over a wider one, or generate without the inverse"
         )
 
 

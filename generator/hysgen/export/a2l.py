@@ -18,7 +18,7 @@ from hysgen.codegen.parameters import Table, numbers_digest_of
 from hysgen.codegen.structs import Interface, interface
 from hysgen.errors import BuildError
 from hysgen.export.base import Export, Option, Written, make
-from hysgen.float32.learnt_banks import bank_box
+from hysgen.float32.learner_numbers import bank_box
 from hysgen.float32.struct_words import LEARNER_MEANINGS
 from hysgen.machine.files import write_whole
 from hysgen.model.intervals import Interval

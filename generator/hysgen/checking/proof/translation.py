@@ -31,7 +31,7 @@ from hysgen.checking.symbolic.solver import SOLVER
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen.structs import Interface, interface_of
 from hysgen.float32.coefficients import Bank, coefficients, commit_numbers
-from hysgen.float32.learnt_banks import bank_box
+from hysgen.float32.learner_numbers import bank_box
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner

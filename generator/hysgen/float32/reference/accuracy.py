@@ -1,4 +1,7 @@
-"""Largest difference between the float32 reference and the float64 model in one step, over the whole range.
+"""Difference between the float32 reference and real arithmetic in one step: its proved bound, and the largest found.
+
+The bound is put together from that of rules (`rounding`), path (`path_rounding`) and what is added (`term_rounding`).
+Found is, over the whole range:
 
     predict    f32(y, u) minus sum_l p_l(y) (q_l1 y + q_l2 u + q_l3) + sum_j theta_j phi_j in float64
     inverse    u of Eq. (11) in float32 minus u in float64, for y(k+1) that an input in range reaches
@@ -15,6 +18,7 @@ Half the lanes drive a mode along its velocity, which brings it to its largest s
 `python benchmarks/accuracy.py` prints the figures.
 """
 
+import contextlib
 import copy
 import functools
 from collections.abc import Iterator, Mapping
@@ -24,11 +28,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.errors import ModelError
 from hysgen.float32.coefficients import coefficients
+from hysgen.float32.learner_numbers import bank_box, committed_gain
+from hysgen.float32.reference import rounding
 from hysgen.float32.reference.instance import Instance
-from hysgen.float32.reference.path_rounding import real_w, traced
-from hysgen.float32.reference.proved import ProvedErrors, proved_errors
-from hysgen.float32.reference.term_rounding import real_correction, real_extra
+from hysgen.float32.reference.path_rounding import real_w, traced, w_error
+from hysgen.float32.reference.term_rounding import SLACK, correction_error, extra_error, real_correction, real_extra
 from hysgen.machine.reproducible import drawn, product
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import PhaseMirror
@@ -46,6 +52,63 @@ LANES: Final = 1 << 16
 WARM_UP: Final = 20
 RUN: Final = 128
 """Samples of a run through a path, at least."""
+
+
+@dataclass(frozen=True)
+class ProvedErrors:
+    """Proved bounds of one step from any state.
+
+    predict_um: of y(k+1) for every y and u in their ranges. path: part of w in it, in its unit. inverse_V: of the
+    inverse's u(k) without responses of the stage. inverse_um: with them, of y(k+1) in real arithmetic against its
+    reference, unless a limit acts, has led a mode astray, or the C says that the path is missed; behind a delay of
+    a fraction, for the voltage that it wants at the stage. correct_um: of the correction of the feedback.
+    any_bank_um: of y(k+1) with any bank that the learner may commit; any_bank_inverse_V: of u(k), as inverse_V.
+    """
+
+    predict_um: float
+    path: float
+    inverse_V: float | None
+    inverse_um: float | None
+    correct_um: float | None
+    any_bank_um: float | None
+    any_bank_inverse_V: float | None
+
+
+def proved_errors(model: Model, *, inverse: bool) -> ProvedErrors | None:
+    """The bounds of `model`; None of a part of your own, or where there is no bound.
+
+    The box of the inverse reaches beyond the range of w, where its limits act.
+    """
+    numbers, path = coefficients(model), w_error(model)
+    extra = extra_error(model, corrected=True)
+    asked = extra_error(model, corrected=False) if inverse else None
+    bounded = path < np.inf and (extra is None or extra.error_um < np.inf)
+    predict = rounding.worst(model, path, extra) if bounded else np.inf
+    if not predict < SLACK * max(abs(model.grid.y_min_um), abs(model.grid.y_max_um)):
+        return None
+    bounds = [np.inf, np.inf]
+    if inverse and all(block.solves(model.Ts_s) for block in model.blocks):
+        # The C compares the w that its path reaches with the one it wants.
+        missed = path + 1.001 * float(numbers.w_tolerance) if model.responds else None
+        bounds[int(model.responds)] = rounding.worst(model, 0.0, asked, inverse=True, missed=missed)
+    learnt = [np.inf, np.inf]
+    if model.learner is not None:
+        with contextlib.suppress(ModelError):  # without a gain above its rounding there is no bound of any bank
+            banks = learnt_banks(model)
+            learnt[0] = rounding.worst(model, path, extra, banks=banks)
+            if inverse and not model.responds:
+                learnt[1] = rounding.worst(model, 0.0, asked, inverse=True, banks=banks)
+    stated = (bound if np.isfinite(bound) else None for bound in (*bounds, correction_error(model) or np.inf, *learnt))
+    return ProvedErrors(predict, path, *stated)
+
+
+def learnt_banks(model: Model) -> rounding.Banks:
+    """The banks that the learner may commit. Raises ModelError as `committed_gain` does."""
+    box, rules, gain = bank_box(model), range(model.grid.rules), committed_gain(model)
+    slope, offset, of_w = (
+        np.array([box[f"{group}[{rule}]"].magnitude for rule in rules]) for group in ("slope", "offset", "gain")
+    )
+    return rounding.Banks(slope, offset, of_w, (gain.low, gain.high))
 
 
 @dataclass(frozen=True)

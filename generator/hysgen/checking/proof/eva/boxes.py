@@ -28,8 +28,7 @@ import numpy as np
 
 from hysgen.certify.certificates import certify
 from hysgen.float32.coefficients import coefficients, commit_numbers
-from hysgen.float32.learner_numbers import FAST, learner_numbers
-from hysgen.float32.learnt_banks import bank_box, committed_gain, most_per_strength
+from hysgen.float32.learner_numbers import FAST, bank_box, committed_gain, learner_numbers, most_per_strength
 from hysgen.float32.struct_words import Holds, LearnerWords
 from hysgen.model import disturbances
 from hysgen.model.float32_arithmetic import LIMIT

@@ -52,8 +52,7 @@ from hysgen.checking.proof.sources import hooked
 from hysgen.codegen.render import render
 from hysgen.codegen.structs import interface_of
 from hysgen.float32.coefficients import coefficients, commit_numbers
-from hysgen.float32.learner_numbers import learner_numbers
-from hysgen.float32.learnt_banks import bank_box
+from hysgen.float32.learner_numbers import bank_box, learner_numbers
 from hysgen.model.intervals import ANY, symmetric
 from hysgen.model.model import Model
 

@@ -18,7 +18,7 @@ from hysgen.checking.proof.eva.boxes import hexadecimal, parts_box, state_box
 from hysgen.codegen.structs import interface_of
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
-from hysgen.float32.learnt_banks import bank_box, committed_gain
+from hysgen.float32.learner_numbers import bank_box, committed_gain
 from hysgen.model.float32_arithmetic import INFINITY_BITS, LEAST, POWER_LIMIT
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
