@@ -180,7 +180,7 @@ def test_inspect_prints_rate_ranges_noise_and_requirements_and_writes_them(
     Path("r.csv").write_text(bundled_csv())
     assert main(["inspect", "r.csv", "--rows", "0s:0.2s", "--json", "i.json", "--plot", "i.png"]) == 0
     shown = capsys.readouterr().out
-    for phrase in ("10000 samples at 50 kHz, 0.2 s", "noise: 0.000", "swings of", "memory", "well excited"):
+    for phrase in ("10000 samples at 50 kHz, 0.2 s", "noise: 0.000", "swings of", "memory", "what would show"):
         assert phrase in shown
     told = json.loads(Path("i.json").read_text())
     assert (told["schema"], told["version"], told["samples"]) == ("hysgen-inspect", 1, 10_000)

@@ -1,13 +1,11 @@
-"""Noise floor, its parts and its choices, computed once more with polynomials and differences of NumPy."""
+"""Noise floor on noise of a known size, and the properties of a series by hand."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hysgen.model.residual import residual_noise, residual_noise_floor
 from hysgen.record import Record, Segment
 from hysgen.record.noise import NoiseFloor, noise_floor
 from hysgen.record.series import first_covering, period_of, plateaus, resolution_um, turning_rows, white_noise
@@ -21,78 +19,43 @@ def record_of(*runs: tuple[Floats, Floats]) -> Record:
     return Record.from_segments([Segment(str(i), u, y) for i, (u, y) in enumerate(runs)], TS_S)
 
 
-def about(values: Floats, degree: int) -> Floats:
-    """Residual about the least-squares polynomial."""
-    k = np.arange(values.size)
-    fitted: Floats = np.polynomial.Polynomial.fit(k, values, degree)(k)
-    return values - fitted
+@pytest.mark.parametrize("samples", [40, 300, 5000])
+def test_white_noise_of_a_slow_motion_is_found_beside_lines_and_wrong_readings(samples: int) -> None:
+    k = np.arange(samples)
+    slow_um = 5.0 * np.sin(2 * np.pi * k / 5000)
+    noisy_um = slow_um + RNG.normal(size=(10_000 // samples + 1, samples))
+    found_um = [noise_floor(record_of((slow_um, y_um))).rms_um for y_um in noisy_um]
+    assert float(np.mean(found_um)) == pytest.approx(1.0, rel=0.06)
+    line_um = np.where(k % 900 == 450, 1e3, 80.0 * np.sin(0.9 * k + 0.3))
+    both = noise_floor(record_of((slow_um, slow_um + line_um + RNG.normal(size=samples))))
+    assert both.rms_um == pytest.approx(1.0, rel=0.6 if samples < 64 else 0.2)
+    assert both.method == "spectra"
 
 
-@pytest.mark.parametrize("samples", [249, 299, 302, 550])
-def test_noise_from_periods_is_half_the_variance_of_a_period_later(samples: int) -> None:
-    """From three periods on the first is left out; the two parameters of the line leave n - 2 degrees of freedom."""
-    u_V = np.sin(2 * np.pi * np.arange(samples) / 100)
-    y_um = u_V + 0.1 * RNG.normal(size=samples) + 1e-3 * np.arange(samples)
-    kept = y_um[100:] if samples >= 300 else y_um
-    later = about(kept[100:] - kept[:-100], 1)
-    found = noise_floor(record_of((u_V, y_um)))
-    assert (found.method, found.samples) == ("periods", later.size - 2)
-    assert found.rms_um == pytest.approx(math.sqrt(0.5 * float(later @ later) / (later.size - 2)), rel=1e-9)
+def test_noise_is_looked_for_where_the_voltage_moves_least() -> None:
+    """Of 20 000 rows the fast ones lose 100 times the noise, the slow tenth and a little more has the noise alone."""
+    u_V = np.concatenate([40.0 * RNG.normal(size=18_000), np.zeros(4000)])
+    noisy_um = RNG.normal(size=u_V.size) * np.repeat([100.0, 1.0], [18_000, 4000])
+    found = noise_floor(record_of((u_V, noisy_um)))
+    # Windows of 64 rows every 32: a tenth of 686, each with the frequencies from 3 to 31.
+    assert (found.samples, found.rms_um) == (68 * 29, pytest.approx(1.0, rel=0.1))
 
 
-def test_noise_from_plateaus_is_about_a_parabola_over_their_last_three_quarters() -> None:
-    levels, lengths = [0.0, 40.0, 15.0, 70.0], [61, 80, 40, 41]
-    u_V = np.repeat(levels, lengths)
-    y_um = RNG.normal(size=u_V.size) + 0.05 * u_V
-    edges = np.cumsum([0, *lengths])
-    # A plateau needs 41 samples: 40 are one too few, and the last, of 41, counts.
-    parts = [about(y_um[a + (b - a - 1) // 4 : b], 2) for a, b in pairwise(edges.tolist()) if b - a > 40]
-    freedom = sum(part.size - 3 for part in parts)
-    assert len(parts) == 3
-    found = noise_floor(record_of((u_V, y_um)))
-    assert (found.method, found.samples) == ("plateaus", freedom)
-    assert found.rms_um == pytest.approx(math.sqrt(sum(float(p @ p) for p in parts) / freedom), rel=1e-9)
+@pytest.mark.parametrize("samples", [249, 600])
+def test_what_repeats_with_the_voltage_is_no_noise(samples: int) -> None:
+    k = np.arange(samples)
+    u_V = np.sin(2 * np.pi * k / 100)
+    fast_um = np.tile(RNG.normal(size=100), 6)[:samples]
+    # A transient of the first period, which is left out from three periods on.
+    first_um = 50.0 * RNG.normal(size=samples) * (k < 100) * (samples >= 300)
+    found = noise_floor(record_of((u_V, fast_um + first_um + 0.1 * RNG.normal(size=samples))))
+    assert (found.method, found.rms_um) == ("periods", pytest.approx(0.1, rel=0.25))
 
 
-def test_noise_from_differences_is_their_mean_square_over_all_segments() -> None:
-    runs = [(np.linspace(0.0, 1.0, n), RNG.normal(size=n)) for n in (12, 90, 11)]
-    # Twelve samples are the fewest: six differences of order six. Those of eleven do not count.
-    parts = [np.diff(y, 6) for _, y in runs[:2]]
-    square = sum(float(d @ d) for d in parts) / math.comb(12, 6)
-    found = noise_floor(record_of(*runs))
-    assert (found.method, found.samples) == ("differences", 6 + 84)
-    assert found.rms_um == pytest.approx(math.sqrt(square / 90), rel=1e-9)
-
-
-def test_noise_of_a_residual_is_the_median_over_plateaus_that_have_come_to_rest() -> None:
-    lag_s, skipped = 2e-3, 24  # twelve time constants of two samples
-    u_V = np.repeat([0.0, 5.0, 2.0, 7.0], [140, 120, 39, 100])
-    e_um = RNG.normal(size=u_V.size) * np.repeat([1.0, 3.0, 1.0, 2.0], [140, 120, 39, 100])
-    parts = [about(e_um[a + skipped : b], 1) for a, b in ((0, 140), (140, 260), (299, 399))]
-    record = record_of((u_V, 0.1 * u_V + e_um))
-    found = residual_noise_floor(record, e_um, lag_s)
-    assert (found.method, found.samples) == ("plateaus", sum(part.size for part in parts))
-    expected = math.sqrt(float(np.median([part @ part / (part.size - 2) for part in parts])))
-    assert found.rms_um == pytest.approx(expected, rel=1e-9)
-    # A plateau with a sample left out does not count; the other two have 76 + 96 samples, fewer than 200.
-    e_um[50] = np.nan
-    few = residual_noise_floor(record, e_um, lag_s)
-    assert (few.method, few.samples) == ("innovation", e_um.size - 2)
-    assert few.rms_um == residual_noise(e_um)
-
-
-@pytest.mark.parametrize(("last", "method"), [(100, "innovation"), (101, "plateaus")])
-def test_a_residual_needs_two_hundred_samples_at_rest(last: int, method: str) -> None:
-    u_V = np.repeat([0.0, 5.0], [107, last])
-    record = record_of((u_V, RNG.normal(size=u_V.size)))
-    # At least four samples are left out, however short the lag: 103 + 97 are 200.
-    assert residual_noise_floor(record, RNG.normal(size=u_V.size), 1e-9).method == method
-
-
-def test_periods_of_the_input_come_before_the_residual() -> None:
-    u_V = np.sin(2 * np.pi * np.arange(600) / 100)
-    record = record_of((u_V, u_V + 0.1 * RNG.normal(size=600)))
-    assert residual_noise_floor(record, np.zeros(600), 1e-3) == noise_floor(record)
+def test_the_steps_of_a_sensor_are_noise_while_it_rests() -> None:
+    u_V = np.repeat([0.0, 5.0, 2.0], 200)
+    found = noise_floor(record_of((u_V, 0.3 * u_V)))
+    assert found.rms_um == pytest.approx(0.3 * 2.0 / math.sqrt(12.0))
 
 
 def test_white_noise_is_the_scale_of_differences_over_that_of_noise() -> None:
@@ -105,7 +68,6 @@ def test_white_noise_is_the_scale_of_differences_over_that_of_noise() -> None:
         small = np.sort(np.abs(d))[: int(0.9 * d.size)]
         expected = {
             "median": 1.4826 * np.median(np.abs(d)) / root,
-            "rms": math.sqrt(np.mean(d**2)) / root,
             "trimmed": math.sqrt(np.mean(small**2) / 0.62302) / root,
         }
         for scale, value in expected.items():
@@ -137,7 +99,8 @@ def test_properties_of_a_series_by_hand() -> None:
 
 
 def test_a_record_too_short_for_any_estimate_has_no_noise_floor_to_show() -> None:
-    assert noise_floor(record_of((np.arange(11.0), np.arange(11.0)))) == NoiseFloor(0.0, "differences", 0)
+    assert noise_floor(record_of((np.arange(15.0), np.arange(15.0)))) == NoiseFloor(0.0, "spectra", 0)
+    assert noise_floor(record_of((np.arange(16.0), np.arange(16.0)))).samples > 0
 
 
 @pytest.mark.parametrize("at", [64, 65], ids=["in the first look", "beside it"])

@@ -333,7 +333,8 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     assert [figure.label for figure in page.figures] == ["free run, a", "free run, b", "noise floor"]
     assert page.figures[0].value == "0.4 µm"
     assert page.figures[0].note.startswith("1.2 % of the stroke; fit (NRMSE) ")
-    assert (page.figures[2].value, page.figures[2].note) == ("0.01 µm", "from rests of the input")
+    assert page.figures[2].value == "0.01 µm"
+    assert page.figures[2].note == "from spectra of the slowest rows, if it is white"
     assert [row[:2] for row in cells(page.sections[0])] == [
         ["a, free run", "0.40000"], ["b, free run", "0.30000"],
         ["a, free run, own", "0.40000"], ["b, free run, own", "0.30000"],
@@ -342,7 +343,7 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     ]  # fmt: skip
     assert list(page.sections[0].tables[0].numbers) == [2, 3, 4, 5]
     notes = page.sections[0].notes
-    assert "below it" in notes[0]
+    assert notes[0] == "Noise floor 0.01 um rms from spectra of the slowest rows, if it is white."
     assert list(notes[1:3]) == ["Warning: a is odd.", "Warning: b is odd."]
     drawn = {picture.name: picture for picture in page.sections[1].pictures}
     free = lines_of(drawn["free-run"].figure)

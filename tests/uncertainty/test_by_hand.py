@@ -144,7 +144,7 @@ def test_a_hold_lasts_ten_milliseconds_and_sixteen_samples() -> None:
 
 PLAIN = Evidence(
     np.array([0.3, -0.3, 0.5, -0.5, 0.1, -0.1]),
-    NoiseFloor(0.1, "plateaus", 9),
+    NoiseFloor(0.1, "spectra", 9),
     400,
     16,
     SensorUncertainty(0.2, 2.0, "s"),
@@ -172,7 +172,7 @@ def test_a_budget_of_a_simulation_by_hand() -> None:
         one = budget(dataclasses.replace(PLAIN, fitted=rows)).contributions[1]
         assert (one.standard_um, one.freedom) == (pytest.approx(0.1 * math.sqrt(16 / counted)), 1.0)
     # Neither noise nor repeated visits count for more than the residual has.
-    loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "plateaus", 9), fitted=10, repeatability=cycle))
+    loud = budget(dataclasses.replace(PLAIN, noise=NoiseFloor(9.0, "spectra", 9), fitted=10, repeatability=cycle))
     named = {c.name: c for c in loud.contributions}
     assert (named["model error"].standard_um, named["noise"].freedom) == (0.0, 1.0)
     assert "repeatability" not in named
@@ -191,7 +191,7 @@ def test_the_model_error_follows_orthogonal_actions() -> None:
         ("again", 0.0),
         ("b", pytest.approx(4.0 / 4)),
     ]
-    quiet = dataclasses.replace(PLAIN, residual_um=e, noise=NoiseFloor(0.0, "plateaus", 9))
+    quiet = dataclasses.replace(PLAIN, residual_um=e, noise=NoiseFloor(0.0, "spectra", 9))
     found = budget(dataclasses.replace(quiet, actions_um=(("a", a),), left_um=(("drift", 1.5),)))
     parts = {c.name: c for c in found.contributions[2:]}
     assert {name: c.standard_um**2 for name, c in parts.items()} == {
@@ -224,13 +224,13 @@ def test_a_characterisation_takes_its_evidence_from_the_diagnosis() -> None:
     rows = np.arange(2, 6)
     model = SimpleNamespace(consequents=np.zeros((4, 3)), weights=np.zeros(2))
     diagnosis = SimpleNamespace(
-        held_rows=rows, model=model, noise=NoiseFloor(0.01, "plateaus", 9), base_own_um=5.0,
+        held_rows=rows, model=model, noise=NoiseFloor(0.01, "spectra", 9), base_own_um=5.0,
         errors_um=[("", base), ("memory", one), ("creep", two)], causes=(first, second, left, worse, bare),
     )  # fmt: skip
     study = cast(Study, SimpleNamespace(diagnosis=diagnosis, record=record, cut=100, extended=(first, second)))
     found = characterise(study, SensorUncertainty(0.2, 2.0, "s"))
     evidence = Evidence(
-        two[rows], NoiseFloor(0.01, "plateaus", 9), 100, 14, SensorUncertainty(0.2, 2.0, "s"), repeatability(record),
+        two[rows], NoiseFloor(0.01, "spectra", 9), 100, 14, SensorUncertainty(0.2, 2.0, "s"), repeatability(record),
         actions_um=(("memory", (one - base)[rows]), ("creep", (two - one)[rows])),
         left_um=(("drift", 0.4), ("aging", 0.0)),
     )  # fmt: skip

@@ -114,7 +114,7 @@ def score(model: Model | str | Path, record: Record | Any, settle: int | None = 
 
 
 def inspect(record: Record | Any) -> Inspection:
-    """Ranges, noise and excitation of a record, and what each cause needs to show. Raises RecordError."""
+    """Ranges, noise and excitation of a record, and from which size on each cause would show. Raises RecordError."""
     sound = sound_record(record)
     return inspect_record(sound).shown_in(sound.quantities)
 

@@ -1,4 +1,4 @@
-"""The excitation of a record in figures, by which each cause says whether the record could show it."""
+"""The excitation of a record in figures."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -19,9 +19,6 @@ SIZES = 0.05
 POWER = 0.999
 """Share of the power of the voltage's speed below the highest frequency of the excitation."""
 
-SAME_LEVEL = 0.02
-"""Part of the range within which two voltages are the same level."""
-
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
@@ -29,7 +26,6 @@ class Excitation:
 
     swings, sizes: number of swings of the voltage and of distinct sizes. rests, longest_rest_s: constant voltage.
     lowest_Hz, highest_Hz: frequencies of the excitation. fastest_V_per_s: speed of the voltage (99.9 % quantile).
-    returns: whether the last fifth of the longest segment comes back to the mean level of the first.
     """
 
     record: Record
@@ -41,7 +37,6 @@ class Excitation:
     lowest_Hz: float
     highest_Hz: float
     fastest_V_per_s: float
-    returns: bool
 
     @classmethod
     def of(cls, record: Record) -> Self:
@@ -63,7 +58,6 @@ class Excitation:
             longest_s,
             *band_Hz,
             fastest_V_per_s(record),
-            _returns(record),
         )
 
 
@@ -77,12 +71,3 @@ def _band(record: Record) -> tuple[float, float]:
     frequency = np.fft.rfftfreq(speed.size, record.Ts_s)
     low, high = np.searchsorted(power, [(1.0 - POWER) * power[-1], POWER * power[-1]])
     return float(frequency[low]), float(frequency[min(high, frequency.size - 1)])
-
-
-def _returns(record: Record) -> bool:
-    """Whether the voltage is in the last fifth of the longest segment at the mean level of its first fifth."""
-    part = max(record.segments, key=lambda part: part.samples)
-    fifth = max(part.samples // 5, 1)
-    low_V, high_V = record.u_range_V
-    level = float(np.median(part.u_V[:fifth]))
-    return bool(np.any(np.abs(part.u_V[-fifth:] - level) < SAME_LEVEL * (high_V - low_V)))

@@ -8,14 +8,13 @@ P d of it, P the projector off their derivatives. It is named if the rms error g
 If P leaves less than LEAST_SHARE of |d|^2, a part of the chain hides the cause: the one without whose derivatives most
 of d is left.
 
-What a record holds and what it could show: ranges, rate, noise, excitation, and the requirement of each cause.
-
-The figures come from voltage and displacement alone; no model is fitted. A requirement is a condition on the input
-under which a cause leaves a trace; each cause states its own (`Cause.requirement`).
+What a record holds, before any search: ranges, rate, noise, excitation, and what it could show beside hysteresis and
+lag if nothing but its noise were left.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,13 +26,16 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes import Residual, causes, in_ladder_order
 from hysgen.diagnosis.causes.base import Effect
 from hysgen.diagnosis.excitation import Excitation
-from hysgen.diagnosis.prepare import Prepared
+from hysgen.diagnosis.prepare import Prepared, prepare
 from hysgen.diagnosis.probe import Projector, projector_off, rms
 from hysgen.diagnosis.probe.chain import COMMON
 from hysgen.diagnosis.probe.solve import sensitivities
 from hysgen.diagnosis.score import Scored, least_growth
+from hysgen.diagnosis.search import start
 from hysgen.display import Displayed, Summary, decimal
+from hysgen.errors import RecordError
 from hysgen.fitting import check_for_fit
+from hysgen.machine.threads import one_blas_thread
 from hysgen.model.residual import BLOCKS, dispersion
 from hysgen.record.data import Record
 from hysgen.record.noise import NoiseFloor
@@ -63,6 +65,11 @@ class Ability:
     hidden_by: str = ""
     experiment: str = ""
     limit: bool = False
+
+    @property
+    def excited(self) -> bool:
+        """Whether an effect of some size would show, or does."""
+        return self.verdict != "not excited"
 
     @property
     def lacks(self) -> str:
@@ -285,25 +292,16 @@ EXCITATION = ("swings", "sizes", "rests", "longest_rest_s", "lowest_Hz", "highes
 """What the JSON of an inspection says of the excitation (`Excitation`)."""
 
 
-@dataclass(frozen=True)
-class Requirement:
-    """Whether the record meets what a cause needs, and what it has or lacks."""
-
-    cause: str
-    met: bool
-    why: str
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Inspection(Displayed):
-    """The content of a record: its excitation and noise, and the requirement of each cause, in the ladder's order."""
+    """The content of a record: its excitation and noise, and what it could show, in the ladder's order."""
 
     seen: Excitation
-    requirements: tuple[Requirement, ...]
+    abilities: tuple[Ability, ...]
     warnings: tuple[str, ...]
 
     def summary(self) -> Summary:
-        """Rate, ranges and excitation, then the requirement of each cause."""
+        """Rate, ranges and excitation, then what would show of each cause."""
         seen, record = self.seen, self.seen.record
         (low_um, high_um) = record.y_range_um
         per_sample = seen.noise.rms_um / max(high_um - low_um, 1e-300)
@@ -314,8 +312,8 @@ class Inspection(Displayed):
             f"Hz, at most {seen.fastest_V_per_s:.4g} V/s; {seen.rests} rests, the longest {seen.longest_rest_s:.3g} s",
             *(f"warning: {line}" for line in self.warnings),
         ]
-        rows = [[need.cause, "yes" if need.met else "no", need.why] for need in self.requirements]
-        return Summary(record.one_line(), ["cause", "well excited", "because"], rows, left=3, first=first)
+        rows = [[able.name, "yes" if able.excited else "no", able.text()] for able in self.abilities]
+        return Summary(record.one_line(), ["cause", "excited", "what would show"], rows, left=3, first=first)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -331,13 +329,19 @@ class Inspection(Displayed):
             "channels": {name: list(ends) for name, ends in record.aux_ranges.items()},
             "noise": seen.noise.to_json(),
             "excitation": {name: getattr(seen, name) for name in EXCITATION},
-            "requirements": [vars(need) for need in self.requirements],
+            "requirements": [{"cause": a.name, "met": a.excited, "why": a.text()} for a in self.abilities],
             "warnings": [*record.warnings, *self.warnings],
         }
 
 
+@one_blas_thread()
 def inspect(record: Record) -> Inspection:
     """The content of a record and what it could show. Raises RecordError for a record too short for any fit."""
-    seen = Excitation.of(record)
-    needs = tuple(Requirement(name, *causes()[name].requirement(seen)) for name in in_ladder_order(causes()))
-    return Inspection(seen, needs, check_for_fit(record, RULES, 3 * RULES))
+    seen, warnings = Excitation.of(record), check_for_fit(record, RULES, 3 * RULES)
+    try:
+        scene = prepare(record).excerpt()
+    except RecordError as refused:
+        return Inspection(seen, (), (*warnings, str(refused)))
+    white_um = seen.noise.rms_um * np.random.default_rng(0).standard_normal(scene.samples)
+    residual = Residual(scene, dataclasses.replace(start(scene), error=white_um, rms_um=seen.noise.rms_um))
+    return Inspection(seen, abilities(residual, residual, {}), warnings)

@@ -37,9 +37,8 @@ from hysgen.machine.processes import in_processes, several_processes
 from hysgen.machine.threads import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.remaining import LEAST_EVIDENCE, Remaining
-from hysgen.model.residual import residual_noise_floor
 from hysgen.record import Record
-from hysgen.record.noise import NoiseFloor
+from hysgen.record.noise import NoiseFloor, noise_floor
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, str], None]
@@ -200,7 +199,6 @@ def name_causes(
     whole = over_all_rows(found, prepared.scene())
     signatures = _signatures(found, whole)
     agreed = in_ladder_order(name for name in signatures if causes()[name].extends)
-    noise = residual_noise_floor(prepared.identification(), _usable_error(whole), found.fit.chain.lag_s)
     able = abilities(Residual(found.scene, found.fit), whole, signatures)
     lacks = lacking(prepared.u_V[: prepared.cut], [ability.lacks for ability in able])
     limits = with_time_for(lacks, Limits.of(prepared.u_V[: prepared.cut], prepared.record.Ts_s))
@@ -211,8 +209,8 @@ def name_causes(
         signatures,
         _extensions(found, whole, agreed),
         agreed,
-        noise,
-        _unknown(signatures, unexplained_structure(prepared, whole, noise)),
+        noise_floor(record),
+        _unknown(signatures, unexplained_structure(prepared, whole, noise_floor(prepared.identification()))),
         able,
         in_words(lacks, limits),
     )
@@ -234,13 +232,6 @@ def _unpredictable(naming: Naming) -> list[Correction]:
 def _inputs(prepared: Prepared) -> tuple[str, ...]:
     """What a search depends on."""
     return ("search", prepared.record.digest, str(prepared.cut))
-
-
-def _usable_error(whole: Residual) -> Floats:
-    """(n,) residual of the probe, NaN in the burn-in and at samples that are not used."""
-    left = np.full_like(whole.fit.error, np.nan)
-    left[whole.scene.rows] = whole.fit.error[whole.scene.rows]
-    return left
 
 
 def _signatures(found: SearchResult, whole: Residual) -> dict[str, Signature]:

@@ -77,7 +77,7 @@ class SearchResult:
 
 def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult:
     """The chain with the least score, from the hysteresis and one lag on."""
-    fit = _start(scene)
+    fit = start(scene)
     usable, corrupted = _without_outliers(scene, fit)
     part = thinned(usable)
     state = _begin(part, refine(part, fit.chain))
@@ -159,7 +159,7 @@ def _confidences(state: State, rivals: dict[str, Scored], bayes: dict[str, float
     return confidences(alike, current) | {name: first}
 
 
-def _start(scene: Scene) -> Fit:
+def start(scene: Scene) -> Fit:
     """The fit of hysteresis and one lag."""
     part = thinned(scene)
     return refine(part, with_best_lag(part, Chain(LAGS[0] * scene.Ts_s)))

@@ -1,10 +1,4 @@
-"""What the residual e of a model says of a record: noise, samples that count as independent, corrupted readings.
-
-The noise floor, so that an error with a cause, such as hum on a plateau, does not count as noise:
-
-    periods      as of the record alone (`record.noise`)
-    plateaus     variance of e about a straight line on each plateau, from 12 time constants of the stage on; the median
-    innovation   second differences of e, see `residual_noise`: it assumes white noise
+"""What the residual e of a model says of a record: its white part, samples that count as independent, wrong readings.
 
 `outlier_flags` marks readings so far from the neighbours on both sides that no motion explains them.
 """
@@ -15,47 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from hysgen.record import Record
-from hysgen.record.noise import NoiseFloor, about_polynomial, noise_floor
-from hysgen.record.series import MEDIAN_TO_DEVIATION, plateaus, white_noise
+from hysgen.record.series import MEDIAN_TO_DEVIATION, white_noise
 
 Floats = NDArray[np.float64]
-
-FEWEST_RESIDUALS, FEWEST_ON_PLATEAU = 200, 16
-"""Samples on plateaus that an estimate from a residual needs, in all and on each."""
-
-DECAY_LAGS = 12.0
-"""Time constants of the stage at the beginning of a plateau that are left out, so that the lag has decayed."""
 
 MANY_DIFFERENCES = 8000
 """Up to this number of differences, `residual_noise` uses their median: the search is calibrated with the median."""
 
 BLOCKS, SLOWEST = 40, 10
 """Blocks of rows in `dispersion`, and number of its slow coefficients: their mean has a standard deviation of 45 %."""
-
-
-def residual_noise_floor(record: Record, residual_um: Floats, lag_s: float) -> NoiseFloor:
-    """The noise floor of a record, given the residual of a model.
-
-    residual_um: (n,) over all segments in order, NaN for samples to be left out. lag_s: time constant of the stage.
-    """
-    repeated = noise_floor(record)
-    if repeated.method == "periods":
-        return repeated
-    skipped = max(4, round(DECAY_LAGS * lag_s / record.Ts_s))
-    edges = np.cumsum([0, *(segment.samples for segment in record.segments)])
-    rests = [
-        residual_um[first + begin + skipped : first + end]
-        for segment, first in zip(record.segments, edges, strict=False)
-        for begin, end in plateaus(segment.u_V)
-    ]
-    rests = [y for y in rests if len(y) >= FEWEST_ON_PLATEAU and np.isfinite(y).all()]
-    samples = sum(map(len, rests))
-    if samples >= FEWEST_RESIDUALS:
-        # The median over plateaus: on some of them the stage may still move.
-        variances = [about_polynomial(y, 1) / (len(y) - 2) for y in rests]
-        return NoiseFloor(float(np.sqrt(np.median(variances))), "plateaus", samples)
-    return NoiseFloor(residual_noise(residual_um), "innovation", len(residual_um) - 2)
 
 
 def residual_noise(residual: Floats) -> float:

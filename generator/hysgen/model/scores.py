@@ -192,7 +192,7 @@ class Scores(Displayed):
         taken = "; ".join(part.text for part in self.taken) or "nothing found"
         notes = [
             f"{OWN}: without what no model can know before the record: {taken}",
-            self.noise_note(),
+            f"noise floor {self.noise.describe()}",
             "rms um after " + ", ".join(f"{1e3 * self.Ts_s * steps:.4g} ms: {rms:.4g}" for steps, rms in curve),
         ]
         if self.y_clamped or self.u_clamped:
@@ -203,13 +203,6 @@ class Scores(Displayed):
         title = f"{self.model} on {self.source}: {self.free_run.samples} samples scored"
         first = [f"warning: {line}" for line in self.warnings]
         return Summary(title, SCORE_HEADER, score_rows(rows), notes, first=first)
-
-    def noise_note(self) -> str:
-        """The noise floor, its source, and why a one-step error may lie below it."""
-        note = f"noise floor {self.noise.describe()}"
-        if self.one_step.e_rms_um < self.noise.rms_um:
-            note += "; one-step errors are below it, because hum and ringing on a resting input count as noise here"
-        return note
 
     def table(self) -> str:
         """The summary as text."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Scale = Literal["median", "trimmed", "rms"]
+Scale = Literal["median", "trimmed"]
 
 SHORTEST_PLATEAU = 40
 """Samples that a plateau needs to distinguish noise from creep and lag."""
@@ -101,7 +101,6 @@ def white_noise(values: Floats, order: int = 6, scale: Scale = "median") -> floa
         median     1.4826 median |D^m x|; outliers do not matter
         trimmed    rms of the smaller KEPT of |D^m x|, divided by that of a standard normal variable; for a sensor whose
                    resolution is no finer than its noise, where the median can only take a few values
-        rms        rms of D^m x; the smallest variance, but outliers matter
 
     Source: P. Hall, J. W. Kay and D. M. Titterington, Biometrika 77 (1990) 521-528.
     """
@@ -111,11 +110,9 @@ def white_noise(values: Floats, order: int = 6, scale: Scale = "median") -> floa
         return 0.0
     if scale == "median":
         deviation = MEDIAN_TO_DEVIATION * float(np.median(np.abs(differences)))
-    elif scale == "trimmed":
+    else:
         small = np.sort(np.abs(differences))[: int(KEPT * differences.size)]
         deviation = math.sqrt(float(np.mean(small * small)) / KEPT_POWER)
-    else:
-        deviation = math.sqrt(float(differences @ differences) / differences.size)
     return deviation / math.sqrt(math.comb(2 * order, order))
 
 

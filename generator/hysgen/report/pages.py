@@ -86,7 +86,7 @@ def model_page(
                 "Scores",
                 tables=[PageTable(["model", *SCORE_HEADER[1:]], score_rows(rows), left=1)],
                 notes=[
-                    f"{min(scores.values(), key=lambda s: s.one_step.e_rms_um).noise_note()}.",
+                    f"Noise floor {next(iter(scores.values())).noise.describe()}.",
                     *(f"Warning: {line}." for s in scores.values() for line in s.warnings),
                     "e_r: largest error. Stroke: range of the displacement over the record and the rows before it. "
                     "One-step errors are small for every model; the free run decides.",

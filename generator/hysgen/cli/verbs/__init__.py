@@ -159,7 +159,7 @@ def _inputs(arguments: argparse.Namespace) -> Iterator[Path]:
 
 GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "look at a record, fit a model": {
-        "inspect": ("inspect", "what a file holds: channels, units, rate, noise, excitation, what each cause needs"),
+        "inspect": ("inspect", "what a file holds: channels, units, rate, noise, excitation, which causes would show"),
         "diagnose": ("diagnose", "what the simulation gets wrong, the causes, an extended model and its gain"),
         "experiment": ("diagnose", "the voltage to play next, for what a record cannot tell"),
         "fit": ("fit", "fit a model to one or several records"),

@@ -13,9 +13,10 @@ from hysgen.diagnosis.identifiability import inspect
 from hysgen.schemas import names, text_of
 
 INSPECT_HELP = """\
-Say what a file holds: channels, units, rate, ranges, noise, excitation, and what each cause needs to show.
+Say what a file holds: channels, units, rate, ranges, noise, excitation, and from which size on each cause would show.
 
-No model is fitted. The line "read as --columns ..." is what the other verbs take to read the file in the same way.
+No cause is searched for: each would show beside hysteresis, lag and noise. The line "read as --columns ..." is what the
+other verbs take to read the file in the same way.
 """
 
 

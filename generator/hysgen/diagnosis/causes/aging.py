@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature, comes_back
 from hysgen.diagnosis.causes.drift import DriftPart
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, TrainingFit, standard_errors, whitened_fit
 from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, strokes
@@ -79,10 +78,6 @@ class AgingCause(Cause):
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         """A gain that changes shows where a level is passed again; elsewhere it looks like creep or a curve."""
         return not self.present(fit.chain) or comes_back(scene)
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        again = "swings early and late at one level" if seen.returns else "repeat the first swings at the end"
-        return seen.returns, again
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain

@@ -15,7 +15,6 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Projector, Scene, TrainingFit, projector_off
 from hysgen.diagnosis.remedy import Advice, Motion, Seen, Sketch
@@ -172,10 +171,6 @@ class Cause(abc.ABC):
 
     starts: ClassVar[int] = 1
     """Number of proposals that one step of the search refines, the best ones first; see `select_starts`."""
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        """Whether a record with this excitation is well suited to show the cause, and what it has or lacks."""
-        return True, str(self.experiment) or "any record"
 
     def present(self, chain: Chain) -> bool:
         """Whether the chain contains the part of this cause."""

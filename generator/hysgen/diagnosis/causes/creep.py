@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -110,12 +109,6 @@ class CreepCause(Cause):
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
         """The best start for each level of the past: a fit does not leave the side on which it starts."""
         return list({start.chain.of(CreepPart).past_V: start for start in reversed(candidates)}.values())
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        decades = math.log10(max(seen.longest_rest_s / (10.0 * seen.record.Ts_s), 1e-9))
-        rests = seen.longest_rest_s >= LONG_REST_S and decades >= DECADES
-        short = f"; only strong creep shows, hold the voltage for {LONG_REST_S:g} s or more"
-        return rests, f"longest rest {seen.longest_rest_s:.3g} s" + ("" if rests else short)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene

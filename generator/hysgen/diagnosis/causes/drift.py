@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import ZERO_UNCERTAIN, Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.creep import CreepPart
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Correction, Extension
 from hysgen.diagnosis.probe import (
     Chain,
@@ -185,10 +184,6 @@ class DriftCause(Cause):
         """The best with few columns, and the one that bends, which leaves less whatever the course is."""
         few = [start for start in candidates if not isinstance(start.chain.of(DriftPart), BentDriftPart)]
         return [*few[: self.starts], *(start for start in candidates if start not in few)]
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        back = "the voltage comes back to a level late in the record" if seen.returns else "come back to a level later"
-        return seen.returns, back
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """A ramp, and drifts that slow down or bend."""

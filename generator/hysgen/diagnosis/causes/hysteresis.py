@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature, turns
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
@@ -78,10 +77,6 @@ class MemoryCause(Cause):
         without_um = y_um - beside @ np.linalg.lstsq(beside, y_um - y_um.mean(), rcond=None)[0]
         follows = without_um.var() - fit.rms_um**2 >= FOLLOWS * y_um.var()
         return 0.0 if follows else 2.0 * math.log(Cause.prior_odds / self.prior_odds)
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        nested = seen.sizes >= 3
-        return nested, f"swings of {seen.sizes} sizes" + ("" if nested else "; drive 3 or more")
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
@@ -267,11 +262,12 @@ class RelaxationCause(Cause):
         return [chain.having(RelaxationPart(start)) for start in STARTS]
 
     def effect(self, residual: Residual) -> Effect | None:
-        chain = residual.fit.chain
-        if not chain.memory or not _every_sample(residual.scene):
+        chain, scene = residual.fit.chain, residual.scene
+        if not chain.memory or not _every_sample(scene):
             return None
-        small = RELAXATIONS[0]
-        change = residual.changed_by(chain.having(RelaxationPart(small))) / small
+        relaxed = chain.having(RelaxationPart(RELAXATIONS[0]))
+        moved = scene.responses(scene.moved_paths(relaxed, residual.fit.weights), relaxed)
+        change = (np.concatenate(moved) - np.concatenate(residual.responses(chain))) / RELAXATIONS[0]
         return Effect("of the half-widths", change, most=RELAXATIONS[1])
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:

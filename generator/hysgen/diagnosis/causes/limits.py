@@ -20,7 +20,6 @@ from hysgen.diagnosis.causes.base import (
     Signature,
     limited_rows,
 )
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, Scene, TrainingFit, standard_errors
 from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes, voltage_step
@@ -69,10 +68,6 @@ class SaturationCause(Cause):
     mistaken_for = ("slew",)
     part = Saturation
     starts = 3  # a refinement rarely moves from the level of one stroke to that of another
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        low_V, high_V = seen.record.u_range_V
-        return True, f"only where the amplifier clips inside {low_V:.4g} .. {high_V:.4g} V"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, operator = residual.fit.chain, residual.scene.operator
@@ -257,9 +252,6 @@ class SlewCause(Cause):
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
         return not self.present(fit.chain) or limited_rows(scene, fit.chain, Slew) >= FEWEST_LIMITED
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        return seen.fastest_V_per_s > 0.0, f"limits below {seen.fastest_V_per_s:.4g} V/s"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import (
@@ -127,10 +126,6 @@ class ResonanceCause(Cause):
         if modes is None or modes.early_s is None:
             return []
         return [chain.having(dataclasses.replace(modes, early_s=None))]
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        shown = f"of {0.5 / seen.record.Ts_s:.4g} Hz that the sampling shows"
-        return seen.highest_Hz > 0.0, f"the voltage has power up to {seen.highest_Hz:.4g} Hz {shown}"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         """The six modes of a grid whose responses explain most of the residual, one at a time, and two at once.

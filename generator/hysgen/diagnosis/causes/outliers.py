@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.extension import Extension
 from hysgen.diagnosis.probe import Fit
 from hysgen.diagnosis.remedy import Advice, Motion, Seen, held
@@ -33,9 +32,6 @@ class OutliersCause(Cause):
     judged_by_gain = False  # on a corrupted sample the error is that of the reading, not that of the model
 
     on_all_rows = True
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        return True, f"jumps above about {8.0 * seen.noise.rms_um:.2g} um"
 
     def shown(self, residual: Residual) -> bool:
         """Whether samples are corrupted in FEWEST places and have more error power than all other samples."""

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.fft import rfft
 
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
-from hysgen.diagnosis.excitation import Excitation
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.probe import Chain, Fit, RunSignals, Scene, standard_errors
 from hysgen.diagnosis.remedy import POINTS, Advice, Motion, Seen, held, strokes, voltage_step
@@ -49,10 +48,6 @@ class PeriodicCause(Cause):
         lines = _lines_Hz(chain)
         fewer = [lines[:i] + lines[i + 1 :] for i in range(len(lines))]
         return [chain.having(Periodic(lines_kept)) if lines_kept else self.without(chain) for lines_kept in fewer]
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        duration_s = seen.record.samples * seen.record.Ts_s
-        return True, f"lines above {FEWEST_PERIODS / duration_s:.3g} Hz and below {0.5 / seen.record.Ts_s:.4g} Hz"
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain = residual.fit.chain
@@ -215,10 +210,6 @@ class CouplingCause(Cause):
         less = [chain.having(Coupling.of(own, part.taps)) if own else self.without(chain) for own in fewer]
         return less if part.taps == 1 else [*less, chain.having(dataclasses.replace(part, taps=1))]
 
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        channels = seen.record.aux_names
-        return bool(channels), ", ".join(channels) if channels else "no further channel in the file"
-
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, scene = residual.fit.chain, residual.scene
         part = chain.get(Coupling)
@@ -293,11 +284,6 @@ class DelayCause(Cause):
     experiment = Piece.RATES
     mistaken_for = ("resonance",)
     part = Delay
-
-    def requirement(self, seen: Excitation) -> tuple[bool, str]:
-        wide = seen.highest_Hz > 3.0 * max(seen.lowest_Hz, 1e-12)
-        alike = "; lag and delay look alike at one frequency: drive a decade"
-        return wide, f"{seen.lowest_Hz:.3g} to {seen.highest_Hz:.3g} Hz" + ("" if wide else alike)
 
     def proposals(self, residual: Residual) -> list[Chain]:
         chain, Ts_s = residual.fit.chain, residual.scene.Ts_s
