@@ -143,14 +143,18 @@ def entry_values(registers: frozenset[int]) -> KnownRegisters:
     return KnownRegisters(tuple(CounterValue(0, register) if register in registers else None for register in every))
 
 
-def after(known: KnownRegisters, packet: Packet, cycles: int, registers: frozenset[int]) -> KnownRegisters:
-    """The known values after the packet was issued and `cycles` cycles have passed."""
+def after(
+    known: KnownRegisters, answers: KnownPredicates, packet: Packet, cycles: int, registers: frozenset[int]
+) -> KnownRegisters:
+    """The known values after the packet was issued and `cycles` cycles have passed; answers: as it was issued."""
     if not registers:
         return known
     before = known.values
     values, awaited = list(before), list(known.awaited)
     for instruction, action in zip(packet.instructions, packet.actions, strict=True):
         executed = known.holds(instruction)
+        if executed is None:
+            executed = answers.holds(instruction.predicate)
         if executed is False:
             continue
         for register, value, delay in writes(action, before):

@@ -156,7 +156,7 @@ class _Walk:
             due, target = min(after.landing, default=(_NEVER, None), key=lambda branch: branch[0])
             cycles = min(due, 1 + packet.idle)
             landing = tuple((left - cycles, there) for left, there in after.landing if left > cycles)
-            known = counters.after(place.known, packet, cycles, self.registers)
+            known = counters.after(place.known, after.answers, packet, cycles, self.registers)
             after = after._replace(known=known, answers=after.answers.after(self._written(packet), cycles))
             if due > cycles:
                 yield cycles, after._replace(address=packet.next, landing=landing)

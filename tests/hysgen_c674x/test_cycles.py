@@ -58,6 +58,18 @@ def test_a_return_through_another_register_is_a_return() -> None:
     assert bench.run("start").counts.cycles == 8
 
 
+def test_a_stack_that_is_given_back_only_where_a_branch_is_not_taken_is_known() -> None:
+    """As gcc does in the delay slots of a branch in `init` of a model with `softening`."""
+    given_back = "addk .S2 16,b15\nb .S2 b3\nnop 5\n"
+    text = f"addk .S2 -16,b15\n[a0] b .S1 other\n[!a0] addk .S2 16,b15\nnop 4\nb .S2 b3\nnop 5\nother:\n{given_back}"
+    bench = Bench(text, interpreted=True)
+    found = bounds(bench.image, bench.packets, "start")
+    assert (found.best, found.worst, found.stack_bytes) == (13, 14, 16)
+    unknown = Bench(text.replace("[!a0] addk", "[!a1] addk"), interpreted=True)
+    with pytest.raises(TargetError, match="changed by an unknown amount"):
+        bounds(unknown.image, unknown.packets, "start")
+
+
 def test_a_loop_of_constant_length_has_one_cycle_count_and_the_simulator_takes_it() -> None:
     need_compiler()
     text = (
