@@ -14,6 +14,7 @@ import pytest
 
 from fixtures.guards import Guard, guards, without
 from fixtures.proof_models import SHIPPED, model, shipped, texts
+from fixtures.term_models import RESPONSES, model_with
 from fixtures.tools import need
 from hysgen.checking.host import Host
 from hysgen.checking.proof.eva import calls
@@ -77,6 +78,17 @@ def test_the_inverse_behind_plays_that_relax_is_proved() -> None:
     """The steps of the plays are exponentials, their positions sums of two words."""
     need("frama-c")
     verdict, expected = prove_call(model("small_relaxing"), texts("small_relaxing"), "inverse", "any")
+    assert not verdict.alarms
+    assert verdict.held == verdict.checks >= expected > 20
+
+
+@pytest.mark.parametrize("function", ["aux", "simulate", "inverse"])
+@pytest.mark.proof
+def test_modes_of_several_drives_that_soften_are_proved(function: str) -> None:
+    """Their channels are those of a block: without its cases `aux` had an alarm and two open checks."""
+    need("frama-c")
+    softening = model_with((), (RESPONSES[4],))
+    verdict, expected = prove_call(softening, generate(softening), function, "any")
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected > 20
 

@@ -115,7 +115,11 @@ PIECES_PER_RULE: Final = 12
 SIGN_BIT: Final = 0x80000000
 PIECES_PER_OCTAVE: Final = 4
 PIECES_OF_SUM: Final = 6
-"""Cases of a state and of its increment, so that the interval of the rounded sum stays below the limit."""
+"""Cases of a state, so that the interval of the rounded sum stays below the limit."""
+PIECES_OF_STEP: Final = 10
+FARTHEST_STEP: Final = 5 / 3
+"""Cases of the step of a state, as wide as those of the state: over its limit, for the rest that the step takes in, and
+two thirds of it, which no mode below a twelfth of the sampling rate passes."""
 
 
 @dataclass(frozen=True)
@@ -149,11 +153,11 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("power_of_two", _roundings("x", POWER_LIMIT)),
         Split("reciprocal", _octaves("x", _sums_range(model))),
         Split("lost", _pieces("high", Interval(-kept, kept), PIECES_OF_SUM)),
-        Split("lost", _pieces("t", Interval(-kept, kept), PIECES_OF_SUM)),
+        Split("lost", _pieces("t", Interval(-FARTHEST_STEP * kept, FARTHEST_STEP * kept), PIECES_OF_STEP)),
         Split("cosine_sine: quadrant", tuple(f"quadrant < {k}u" for k in range(1, 4))),
         Split("cosine_sine: r", signs("r")),
     ]
-    for kind in (term.kind for term in model.terms if term.channels):
+    for kind in (part.kind for part in (*model.terms, *model.blocks) if part.channels):
         cases += [
             Split(f"{kind}_channel", signs("self->sample[c][0]")),
             Split(f"{kind}_channel: finite", ("rejected == 0u",)),
