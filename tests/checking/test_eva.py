@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from fixtures.generated_models import relaxing
 from fixtures.guards import Guard, guards, without
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.term_models import RESPONSES, model_with
@@ -28,6 +29,7 @@ from hysgen.errors import BuildError, ModelError
 from hysgen.machine.native import Toolchain
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.model.model import Model
+from hysgen.model.path import InputBlock
 
 
 @functools.cache
@@ -72,23 +74,14 @@ def test_a_call_with_every_term_and_block_is_proved(function: str, inputs: Float
     assert verdict.held == verdict.checks >= expected > 20
 
 
-@pytest.mark.slow
 @pytest.mark.proof
-def test_the_inverse_behind_plays_that_relax_is_proved() -> None:
-    """The steps of the plays are exponentials, their positions sums of two words."""
+@pytest.mark.parametrize(
+    ("block", "function"), [(relaxing(), "inverse"), *((RESPONSES[4], call) for call in ("aux", "simulate", "inverse"))]
+)
+def test_a_call_behind_plays_that_relax_or_modes_that_soften_is_proved(block: InputBlock, function: str) -> None:
+    """Steps of such plays are exponentials; `aux` of such modes needs cases of its channels."""
     need("frama-c")
-    verdict, expected = prove_call(model("small_relaxing"), texts("small_relaxing"), "inverse", "any")
-    assert not verdict.alarms
-    assert verdict.held == verdict.checks >= expected > 20
-
-
-@pytest.mark.parametrize("function", ["aux", "simulate", "inverse"])
-@pytest.mark.proof
-def test_modes_of_several_drives_that_soften_are_proved(function: str) -> None:
-    """Their channels are those of a block: without its cases `aux` had an alarm and two open checks."""
-    need("frama-c")
-    softening = model_with((), (RESPONSES[4],))
-    verdict, expected = prove_call(softening, generate(softening), function, "any")
+    verdict, expected = prove_call(behind := model_with((), (block,)), generate(behind), function, "any")
     assert not verdict.alarms
     assert verdict.held == verdict.checks >= expected > 20
 
@@ -194,7 +187,7 @@ def test_without_a_guard_the_c_compiles_and_is_another() -> None:
 
 def test_cases_leave_the_generated_text_as_it_is() -> None:
     generated = texts("everything")["everything.c"]
-    looked_at = hooked(model("everything"), texts("everything"), case_lines(splits(model("everything"), 1048576.0)))
+    looked_at = hooked(model("everything"), texts("everything"), case_lines(splits(model("everything"))))
     assert looked_at.count("/*@ ghost") > 20
     assert re.sub(r"    /\*@ ghost .* \*/\n", "", looked_at) == generated
 
@@ -220,7 +213,7 @@ def test_a_hook_whose_lines_are_gone_is_an_error() -> None:
     altered = texts("appendix_a")["appendix_a.c"]
     for line in ("const uint32_t below = ", "const uint32_t above = "):
         altered = altered.replace(line, line.replace("_t ", "_t the_"))
-    lines = case_lines(splits(model("appendix_a"), 1048576.0))
+    lines = case_lines(splits(model("appendix_a")))
     with pytest.raises(ModelError, match="hook `limited: below`"):
         hooked(model("appendix_a"), {**texts("appendix_a"), "appendix_a.c": altered}, lines)
 

@@ -11,7 +11,6 @@ from typing import Final
 
 from hysgen.certify.certificates import certify
 from hysgen.checking.proof.eva.boxes import (
-    KEPT,
     PARAMETERS,
     REMAINDERS,
     WILD,
@@ -88,7 +87,7 @@ def step(model: Model, texts: Mapping[str, str], function: str, inputs: Floats) 
     name, known = model.name, instance_words(model, texts)
     banks = [] if function == "init" else bank_words(model)
     floats = {"finite": between(ANY), "any": f"{name}_float({ANY_WORD})"}
-    lines: dict[str, Sequence[str]] = {**case_lines(splits(model, KEPT), JOINS)}
+    lines: dict[str, Sequence[str]] = {**case_lines(splits(model), JOINS)}
     if inputs == "any":
         lines |= FINITE_CHECKED
     if function == "inverse" and banks:
@@ -138,7 +137,7 @@ def commit_step(model: Model, texts: Mapping[str, str]) -> tuple[dict[str, str],
     facts = {"name": name, "words": known, "points": points}
     # Checked at the return of commit, where the cases are still separate.
     unfinished = f"/*@ check ensures left: learner->candidate.phase == 1 ==> learner->candidate.point < {points}; */"
-    lines = case_lines([*splits(model, KEPT), *_commit_splits(name)]) | {"commit: contract": [unfinished]}
+    lines = case_lines([*splits(model), *_commit_splits(name)]) | {"commit: contract": [unfinished]}
     source = hooked(model, texts, lines | beyond_contract(name))
     checks = sum(word.demanded != "" for word in known) + 1
     return {**texts, f"{name}.c": source, ENTRY: render("proof/commit.c.j2", facts)}, checks
@@ -187,7 +186,7 @@ def learn_step(model: Model, texts: Mapping[str, str], function: str) -> tuple[d
         "scalars": ["per_alpha"],
         "any": f"{name}_float({ANY_WORD})",
     }
-    lines = case_lines([*splits(model, KEPT), *_learn_splits(model)], _joins(model, box))
+    lines = case_lines([*splits(model), *_learn_splits(model)], _joins(model, box))
     source = hooked(model, texts, {**lines, **FINITE_CHECKED, **update_contracts(model, texts)})
     checks = sum(word.demanded != "" for word in known)
     return {**texts, f"{name}.c": source, ENTRY: render("proof/learn.c.j2", facts)}, checks

@@ -19,7 +19,7 @@ from hysgen.codegen.structs import interface_of
 from hysgen.errors import ModelError
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.learner_numbers import bank_box, committed_gain
-from hysgen.model.float32_arithmetic import INFINITY_BITS, LEAST, POWER_LIMIT
+from hysgen.model.float32_arithmetic import INFINITY_BITS, LEAST, LIMIT, POWER_LIMIT
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
 from hysgen.model.structs import Word
@@ -117,7 +117,6 @@ PIECES_PER_OCTAVE: Final = 4
 PIECES_OF_SUM: Final = 6
 """Cases of a state, so that the interval of the rounded sum stays below the limit."""
 PIECES_OF_STEP: Final = 10
-FARTHEST_STEP: Final = 5 / 3
 """Cases of the step of a state, as wide as those of the state: over its limit, for the rest that the step takes in, and
 two thirds of it, which no mode below a twelfth of the sampling rate passes."""
 
@@ -133,12 +132,9 @@ class Split:
     borders: tuple[str, ...]
 
 
-def splits(model: Model, kept: float) -> list[Split]:
-    """The cases of the functions of a model's generated C.
-
-    kept: largest magnitude of an accumulated state.
-    """
-    numbers = coefficients(model)
+def splits(model: Model) -> list[Split]:
+    """The cases of the functions of a model's generated C."""
+    numbers, kept = coefficients(model), float(LIMIT)
     least, limit = (_bits(size) for size in (float(LEAST), kept))
     cases = [
         *(Split(function, signs("x")) for function in ("finite", "flushed", "inside", "limited")),
@@ -152,8 +148,8 @@ def splits(model: Model, kept: float) -> list[Split]:
         Split("limited: above", ("above == 0u",)),
         Split("power_of_two", _roundings("x", POWER_LIMIT)),
         Split("reciprocal", _octaves("x", _sums_range(model))),
-        Split("lost", _pieces("high", Interval(-kept, kept), PIECES_OF_SUM)),
-        Split("lost", _pieces("t", Interval(-FARTHEST_STEP * kept, FARTHEST_STEP * kept), PIECES_OF_STEP)),
+        Split("lost", _pieces("high", kept, PIECES_OF_SUM)),
+        Split("lost", _pieces("t", kept * PIECES_OF_STEP / PIECES_OF_SUM, PIECES_OF_STEP)),
         Split("cosine_sine: quadrant", tuple(f"quadrant < {k}u" for k in range(1, 4))),
         Split("cosine_sine: r", signs("r")),
     ]
@@ -225,9 +221,9 @@ def signs(x: str) -> tuple[str, ...]:
     return (f"{x} < 0.0f", f"{x} <= 0.0f")
 
 
-def _pieces(x: str, over: Interval, count: int) -> tuple[str, ...]:
-    """`count` pieces of equal width."""
-    return _below(x, np.linspace(over.low, over.high, count + 1)[1:-1])
+def _pieces(x: str, reach: float, count: int) -> tuple[str, ...]:
+    """`count` pieces of equal width over -reach .. reach."""
+    return _below(x, np.linspace(-reach, reach, count + 1)[1:-1])
 
 
 def _below(x: str, borders: Sequence[float] | np.ndarray) -> tuple[str, ...]:
