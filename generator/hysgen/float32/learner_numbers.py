@@ -137,13 +137,13 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
     carried = strength * scale
     prior = settings.alpha * (carried * carried)
     forgetting = settings.forgetting if settings.forgetting < 1.0 else settings.sliding
-    kept = power(forgetting, len(parameters) * (settings.refresh - 1))
-    if kept < 1e-3:
+    remaining = power(forgetting, len(parameters) * (settings.refresh - 1))
+    if remaining < 1e-3:
         raise ModelError(
             f"learner: forgetting {forgetting} with {len(parameters)} parameters and refresh {settings.refresh}"
             " loses the prior between two refreshes; forget more slowly or refresh more often"
         )
-    ceiling = 2.0 * prior / kept
+    ceiling = 2.0 * prior / remaining
     span = model.grid.y_max_um - model.grid.y_min_um
     deviation = math.sqrt(settings.alpha)
     worse = settings.worse + 0.5 * len(parameters) * (1.0 - forgetting)
@@ -154,7 +154,7 @@ def learner_numbers(model: Model, numbers: Coefficients) -> LearnerNumbers:
         per_scale=(1.0 / scale).astype(np.float32),
         prior=prior.astype(np.float32),
         ceiling=ceiling.astype(np.float32),
-        refresh=_on_grid(np.sqrt((1.0 - kept) / prior)),
+        refresh=_on_grid(np.sqrt((1.0 - remaining) / prior)),
         firing=firing.astype(np.float32),
         per_y=np.float32(1.0 / y_scale),
         per_u=np.float32(1.0 / u_scale),
@@ -202,14 +202,14 @@ def _parameters(
     if settings.learned == BIAS:
         return (Parameter("bias", 0, 1.0),), np.ones(1)
     typical = {"slope": y_scale, "gain": u_scale, "offset": 1.0}
-    found: list[Parameter] = []
+    learned: list[Parameter] = []
     carried: list[float] = []
     for rule in range(model.grid.rules):
         for group, magnitude in typical.items():
             if group in settings.learned:
-                found.append(Parameter(group, rule, magnitude / firing[rule]))
+                learned.append(Parameter(group, rule, magnitude / firing[rule]))
                 carried.append(float(strengths[rule]))
-    return tuple(found), np.array(carried)
+    return tuple(learned), np.array(carried)
 
 
 def _power_of_two(magnitude: float) -> float:

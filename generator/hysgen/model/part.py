@@ -268,9 +268,9 @@ READERS: Mapping[Any, Callable[[Any], Any]] = {
 """How a field is read, by its annotation; bool is strict."""
 
 
-def to_plain(one: Any) -> dict[str, Any]:
+def to_plain(part: Any) -> dict[str, Any]:
     """Fields of a dataclass by name, in their order, tuples as lists; exact."""
-    values = {item.name: getattr(one, item.name) for item in dataclasses.fields(one)}
+    values = {item.name: getattr(part, item.name) for item in dataclasses.fields(part)}
     return {name: list(value) if isinstance(value, tuple) else value for name, value in values.items()}
 
 
@@ -280,7 +280,7 @@ def arguments(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:
     Raises KeyError if a field is missing, TypeError or ValueError if a value is malformed or the annotation of a field
     is not in READERS.
     """
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     hints = get_type_hints(kind)
     for item in dataclasses.fields(kind):
         if item.name not in data and item.default is not dataclasses.MISSING:
@@ -289,12 +289,12 @@ def arguments(kind: type[Any], data: Mapping[str, Any]) -> dict[str, Any]:
         if hint is bool:
             if not isinstance(value, bool):
                 raise TypeError(f"{item.name} must be true or false")
-            found[item.name] = value
+            values[item.name] = value
         elif hint in READERS:
-            found[item.name] = READERS[hint](value)
+            values[item.name] = READERS[hint](value)
         else:
             raise TypeError(f"{item.name}: no reader for {hint}; write to_json() and from_json() of {kind.__name__}")
-    return found
+    return values
 
 
 Words = NDArray[np.uint32] | NDArray[np.float32]
@@ -338,8 +338,8 @@ class ModelPart(Part, abc.ABC):
         for module in pkgutil.iter_modules(path):
             importlib.import_module(f"{package}.{module.name}")
         near = cls.__subclasses__()
-        found = [*near, *(further for kind in near for further in kind.__subclasses__())]
-        inside = (kind for kind in found if kind.__module__.startswith(package))
+        every = [*near, *(further for kind in near for further in kind.__subclasses__())]
+        inside = (kind for kind in every if kind.__module__.startswith(package))
         return {kind.kind: kind for kind in sorted(inside, key=lambda kind: kind.kind)}
 
     @classmethod

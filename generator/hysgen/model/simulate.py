@@ -123,8 +123,8 @@ def horizon_curve(
     """
     ends = np.cumsum([segment.samples for segment in record.segments])
     scored = [
-        min(max(int(end) - first, 0), segment.samples - left)
-        for end, segment, left in zip(ends, record.segments, unscored or [0] * len(ends), strict=True)
+        min(max(int(end) - first, 0), segment.samples - unscored_rows)
+        for end, segment, unscored_rows in zip(ends, record.segments, unscored or [0] * len(ends), strict=True)
     ]
     shortest = min((count for count in scored if count), default=0)
     horizons = np.array(sorted(set(steps)) if steps else default_horizons(shortest), dtype=np.int64)
@@ -135,10 +135,10 @@ def horizon_curve(
     square, largest = np.zeros(horizons.size), np.zeros(horizons.size)
     count = np.zeros(horizons.size, dtype=np.int64)
     decade = np.array([len(str(step)) for step in horizons])
-    for part, kept in zip(_driven(model, record, starts), scored, strict=True):
-        begin = part.segment.samples - kept
+    for part, rows in zip(_driven(model, record, starts), scored, strict=True):
+        begin = part.segment.samples - rows
         for group in (decade == value for value in np.unique(decade)):
-            stride = max(1, -(-kept * int(horizons[group][-1]) // STEPS_PER_DECADE))
+            stride = max(1, -(-rows * int(horizons[group][-1]) // STEPS_PER_DECADE))
             sums = run.horizon_errors(
                 rules_of(model),
                 run.HorizonInputs(

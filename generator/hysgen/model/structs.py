@@ -148,9 +148,9 @@ class MirroredStruct:
 
     def restore(self, words: Sequence[Bits]) -> None:
         """Set the state: the bits of every word in the order of `state`, (lanes,) each, for any number of lanes."""
-        left = iter(words)
+        remaining = iter(words)
         for member in self.members:
-            setattr(self, member.name, _nested(left, member.type, member.sizes))
+            setattr(self, member.name, _nested(remaining, member.type, member.sizes))
 
 
 def sentence(text: str) -> str:
@@ -163,13 +163,13 @@ def sentence(text: str) -> str:
 
 
 def _flat(value: Any, depth: int) -> list[LaneWords]:
-    return [value] if depth == 0 else [word for each in value for word in _flat(each, depth - 1)]
+    return [value] if depth == 0 else [word for item in value for word in _flat(item, depth - 1)]
 
 
-def _nested(left: Iterator[Bits], kind: Scalar | Struct, sizes: tuple[int, ...]) -> Any:
+def _nested(remaining: Iterator[Bits], kind: Scalar | Struct, sizes: tuple[int, ...]) -> Any:
     if sizes:
-        return [_nested(left, kind, sizes[1:]) for _ in range(sizes[0])]
-    return next(left).view(np.float32) if kind == "float" else next(left)
+        return [_nested(remaining, kind, sizes[1:]) for _ in range(sizes[0])]
+    return next(remaining).view(np.float32) if kind == "float" else next(remaining)
 
 
 @dataclass(frozen=True)

@@ -173,10 +173,10 @@ class _Run:
         if not self._model.responds:
             return w.astype(np.float64), np.full(w.shape, True)
         chain, before = copy.deepcopy(self._before), self._before
-        found = chain.invert(w)
-        free = ~(found.unreachable | (found.astray != 0.0))
+        inverted = chain.invert(w)
+        free = ~(inverted.unreachable | (inverted.astray != 0.0))
         if not self._solves:
-            return found.w.astype(np.float64), free
+            return inverted.w.astype(np.float64), free
         v = before.v_V
         if any(
             block.interpolates for block in self._model.blocks

@@ -64,9 +64,9 @@ class Committer:
             np.tile(self.gain_remainder_um_per_V, points),
             np.tile(self.slope_remainder, points),
         )
-        found = wide._answer_at_point().reshape(points, lanes)
-        refused = found != Commit.BUSY
-        first = found[refused.argmax(axis=0), np.arange(lanes)]
+        answers = wide._answer_at_point().reshape(points, lanes)
+        refused = answers != Commit.BUSY
+        first = answers[refused.argmax(axis=0), np.arange(lanes)]
         return np.where(refused.any(axis=0), first, np.uint32(Commit.COMMITTED))
 
     def words(self) -> Mapping[str, Words]:
@@ -125,10 +125,10 @@ class Committer:
             number = learner.trial[i] * learner.numbers.per_scale[i]
             rows[parameter.index] = np.where(where, number, rows[parameter.index])
 
-    def _half_span(self, y: np.float32, u: np.float32, one: np.float32) -> Floats32:
-        """R(g) = (max_l g_l - min_l g_l)/2 of g = y q1 + u q2 + one q3, (lanes,)."""
+    def _half_span(self, y: np.float32, u: np.float32, unit: np.float32) -> Floats32:
+        """R(g) = (max_l g_l - min_l g_l)/2 of g = y q1 + u q2 + unit q3, (lanes,)."""
         unfold = self.numbers.unfold[:, None]
-        v = ((y * self.bank["slope"] + u * self.bank["gain"]) + one * self.bank["offset"]) * unfold
+        v = ((y * self.bank["slope"] + u * self.bank["gain"]) + unit * self.bank["offset"]) * unfold
         return np.asarray(_HALF * (v.max(axis=0) - v.min(axis=0)), np.float32)
 
     def _bound_remainders(self, where: Mask) -> None:

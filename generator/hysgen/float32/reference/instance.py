@@ -226,16 +226,16 @@ class Instance(InstanceWords):
         if strays:
             # Where a limit led the model astray, it goes on from where it was asked to be.
             start = np.where(bits_of(led_um) != 0, self.inputs.asked_um, y)
-        found = self.inputs.invert(flushed(wanted_input(sums, start, wanted)), self._allowed())
+        inverted = self.inputs.invert(flushed(wanted_input(sums, start, wanted)), self._allowed())
         if strays:
-            moved = (sums.slope * led_um + sums.gain * found.astray) * reciprocal(sums.weight)
+            moved = (sums.slope * led_um + sums.gain * inverted.astray) * reciprocal(sums.weight)
             self.inputs.astray_um = inside(moved)
             self.inputs.asked_um = np.where(bits_of(self.inputs.astray_um) != 0, reference, np.float32(0.0))
-        self.u_V = found.u_V
-        self._count_event(Status.U_CLAMPED, found.u_clamped.astype(np.uint32))
-        self._count_event(Status.UNREACHABLE, found.unreachable.astype(np.uint32))
-        self._count_event(Status.INVERSE_RESIDUAL, found.residual.astype(np.uint32))
-        self._apply(sums, extra, y, found.w)
+        self.u_V = inverted.u_V
+        self._count_event(Status.U_CLAMPED, inverted.u_clamped.astype(np.uint32))
+        self._count_event(Status.UNREACHABLE, inverted.unreachable.astype(np.uint32))
+        self._count_event(Status.INVERSE_RESIDUAL, inverted.residual.astype(np.uint32))
+        self._apply(sums, extra, y, inverted.w)
         return self.u_V
 
     def correct(self, residual_um: Floats32) -> Floats32:

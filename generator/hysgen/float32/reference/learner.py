@@ -66,10 +66,10 @@ def denominators(f: Floats32, g: Floats32) -> Floats32:
 def quotients(f: Floats32, alpha: Floats32) -> tuple[Floats32, Floats32, Floats32]:
     """l_j = -f_j/alpha_(j-1), (n, lanes); alpha_(j-1)/alpha_j, (n, lanes); 1/alpha_(n-1), (lanes,)."""
     per_alpha = reciprocal(alpha)
-    slope, kept = f.copy(), per_alpha.copy()
+    slope, ratio = f.copy(), per_alpha.copy()
     slope[1:] = f[1:] * per_alpha[:-1]
-    kept[1:] = alpha[:-1] * per_alpha[1:]
-    return -slope, kept, per_alpha[-1]
+    ratio[1:] = alpha[:-1] * per_alpha[1:]
+    return -slope, ratio, per_alpha[-1]
 
 
 def factor(u: Floats32, slope: Floats32, g: Floats32) -> tuple[Floats32, Floats32]:
@@ -266,10 +266,10 @@ class Learner(LearnerWords):
         lanes = np.arange(e.size)
         weight = numbers.refresh[self.turn]
         back = weight * (self.reference[self.turn, lanes] - self.theta[self.turn, lanes])
-        one = np.arange(numbers.size)[:, None] == self.turn
+        turned = np.arange(numbers.size)[:, None] == self.turn
         forgetting = np.where(sliding, numbers.inflate, numbers.inflate_first)
         following = np.where(self.turn + 1 < numbers.size, self.turn + 1, 0).astype(np.uint32)
-        self._put(refreshing, x=np.where(one, weight, _ZERO), turn=following)
+        self._put(refreshing, x=np.where(turned, weight, _ZERO), turn=following)
         self._put(
             where,
             inflate=np.where(measuring, forgetting, _ONE),
@@ -297,8 +297,8 @@ class Learner(LearnerWords):
         self.restart(wild)
         where = where & ~wild
         where = where & ~self._excluded(where & (self.measuring != 0), before)
-        slope, kept, per_alpha = quotients(self.f, alpha)
-        d, ceiling = (self.d * self.inflate) * kept, numbers.ceiling[:, None]
+        slope, ratio, per_alpha = quotients(self.f, alpha)
+        d, ceiling = (self.d * self.inflate) * ratio, numbers.ceiling[:, None]
         clamped = (d < _LEAST_VARIANCE) | (d > ceiling)
         d = np.where(d < _LEAST_VARIANCE, _LEAST_VARIANCE, np.where(d > ceiling, ceiling, d))
         self._put(where, l=slope, d=d, per_alpha=per_alpha)

@@ -205,9 +205,9 @@ class Drives(Coupling):
         out = np.empty((drive.u_V.size, len(self.f_Hz), 2))
         for m, (step, re, im) in enumerate(zip(self._modes.steps(drive.Ts_s), *self._shares(), strict=True)):
             # The response to a complex input is that to its real part, and i times that to its imaginary part.
-            one = np.array([step])
-            of_re = mode_states(np.ascontiguousarray(re @ values), one, start[2 * m : 2 * m + 2])
-            of_im = mode_states(np.ascontiguousarray(im @ values), one, np.zeros(2))
+            steps = np.array([step])
+            of_re = mode_states(np.ascontiguousarray(re @ values), steps, start[2 * m : 2 * m + 2])
+            of_im = mode_states(np.ascontiguousarray(im @ values), steps, np.zeros(2))
             out[:, m, 0], out[:, m, 1] = of_re[:, 0] - of_im[:, 1], of_re[:, 1] + of_im[:, 0]
         return out
 

@@ -341,18 +341,18 @@ class Hysteresis(InputBlock):
 
     def constants(self, Ts_s: float) -> Mapping[str, Floats32]:
         number = self.numbers
-        found = {
+        constants = {
             "range": np.array([number.middle, number.half, number.per_half, *number.slope]),
             "curve": number.curve.ravel(),
         }
         if self.plays:
-            found["play"] = number.play.ravel()
+            constants["play"] = number.play.ravel()
         if self.relaxes:
-            found["relax"] = number.relax.ravel()
+            constants["relax"] = number.relax.ravel()
         if self.states:
-            found["rate"] = np.array([number.rate])
-            found["duhem"] = number.duhem.ravel()
-        return found
+            constants["rate"] = np.array([number.rate])
+            constants["duhem"] = number.duhem.ravel()
+        return constants
 
     @classmethod
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:

@@ -138,10 +138,10 @@ def _relaxations(series: HysteresisSeries) -> Floats32:
 
 def _powers(series: Floats) -> Floats:
     """Coefficients of the powers of x of a Chebyshev series, in an array of the same size."""
-    found = np.zeros(series.size)
+    padded = np.zeros(series.size)
     powers = chebyshev.cheb2poly(series)
-    found[: powers.size] = powers
-    return found
+    padded[: powers.size] = powers
+    return padded
 
 
 def _taken_along(curve: Floats, plays: Floats, shifts: Floats) -> Floats:
@@ -211,7 +211,7 @@ class HysteresisMirror(BlockMirror):
             way = np.where(falls ^ fell, x - self.last, x - self.turn)
             self.turn, self.left = self._turned(falls)
             decays = self._decays(np.abs(way), limit=True)
-            states = [ONE - left * e for left, e in zip(self.left, decays, strict=True)]
+            states = [ONE - away * e for away, e in zip(self.left, decays, strict=True)]
             self.back = [ONE + d for d in states]
             parts = [d * (b + c * np.abs(d)) for d, (b, c, _) in zip(states, self._numbers.duhem, strict=True)]
             h = np.asarray(h + np.where(falls, -ONE, ONE) * _total(parts))
@@ -247,22 +247,22 @@ class HysteresisMirror(BlockMirror):
             if self.play
             else np.zeros((0, 1), np.float32)
         )
-        turn, left = self._turned(falls)
+        turn, away = self._turned(falls)
         turn = side * turn
         sums, lane = np.array(self.sum_um), np.arange(wanted.size)
         x = flushed(limited(start + side * way, start, ONE))
-        found = [x]
+        iterates = [x]
         for _ in range(self._steps):
             e = self._decays(x - turn)
             n = (x > taken).sum(axis=0, dtype=np.int64)
             missed, slope = _polynomial(x, self._numbers.curve[falls.astype(np.int64), n].T)
             missed = missed + (side * sums[n, lane] - aim if self.play else -aim)
-            for a, decay, row in zip(left, e, self._numbers.duhem, strict=True):
+            for a, decay, row in zip(away, e, self._numbers.duhem, strict=True):
                 part, rise = _duhem(a * decay, row)
                 missed, slope = missed + part, slope + rise
             x = flushed(limited(x - _rough_quotient(missed, limited(slope, least, largest)), start, ONE))
-            found.append(x)
-        return [self._numbers.middle + (side * x) * self._numbers.half for x in found]
+            iterates.append(x)
+        return [self._numbers.middle + (side * x) * self._numbers.half for x in iterates]
 
     def _normalised(self, v_V: Floats32) -> Floats32:
         """x of the voltages v_V."""
@@ -271,18 +271,18 @@ class HysteresisMirror(BlockMirror):
     def _turned(self, falls: Flags) -> tuple[Floats32, list[Floats32]]:
         """Last turn and `left` of the Duhem states for a motion in the direction `falls`."""
         turns = falls ^ (self.last < self.turn)
-        left = [np.where(turns, new, old) for new, old in zip(self.back, self.left, strict=True)]
-        return np.where(turns, self.last, self.turn), left
+        away = [np.where(turns, new, old) for new, old in zip(self.back, self.left, strict=True)]
+        return np.where(turns, self.last, self.turn), away
 
     def _decays(self, way: Floats32, *, limit: bool = False) -> list[Floats32]:
         """e_i, (states,), over the way from the turn; at most 1 with `limit`."""
         if not len(self._numbers.duhem):
             return []
         e = power_of_two(way * self._numbers.rate)
-        found = [np.where(bits_of(e) > ONE.view(np.uint32), ONE, e) if limit else e]
-        while len(found) < len(self._numbers.duhem):
-            found.append(found[-1] * found[-1])
-        return found
+        decays = [np.where(bits_of(e) > ONE.view(np.uint32), ONE, e) if limit else e]
+        while len(decays) < len(self._numbers.duhem):
+            decays.append(decays[-1] * decays[-1])
+        return decays
 
 
 class RelaxingMirror(HysteresisMirror):

@@ -54,8 +54,8 @@ def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest
         states.append(state)
         jumps.append(v_V)
         residuals.append(_residuals(mirror, state, v_V))
-    found = np.concatenate(residuals, axis=1)
-    worst = np.argsort(-found[0], kind="stable")[:WORST]
+    errors = np.concatenate(residuals, axis=1)
+    worst = np.argsort(-errors[0], kind="stable")[:WORST]
     pasts = [np.repeat(np.concatenate(words)[worst], LANES // WORST) for words in zip(*states, strict=True)]
     centre, away = np.concatenate(jumps)[worst], 0.02 * range_V.width
     for _ in range(SEARCHES):
@@ -63,10 +63,10 @@ def newton_steps(block: InputBlock, numbers: Numbers, range_V: Interval, largest
         around[:, 0] = 0.0
         places = centre[:, None] + around
         near = _residuals(mirror, pasts, places.ravel())
-        found = np.column_stack([found.max(axis=1), near])
+        errors = np.column_stack([errors.max(axis=1), near])
         centre = places[np.arange(WORST), near[0].reshape(WORST, -1).argmax(axis=1)]
         away *= 0.6
-    enough = found.max(axis=1) <= largest
+    enough = errors.max(axis=1) <= largest
     return LEAST_STEPS + int(np.argmax(enough)) if enough.any() else MOST_STEPS
 
 
@@ -79,12 +79,12 @@ def _residuals(mirror: HysteresisMirror, state: Sequence[Bits], v_V: Floats32) -
     wanted = mirror.apply(v_V)
     behind = _words(mirror)
     mirror.restore(state)
-    found = []
+    errors = []
     for solved in mirror.iterates(wanted)[LEAST_STEPS:]:
         mirror.restore(state)
-        found.append(np.abs(mirror.apply(solved) - wanted))
+        errors.append(np.abs(mirror.apply(solved) - wanted))
     mirror.restore(behind)
-    return np.array(found)
+    return np.array(errors)
 
 
 def _words(mirror: HysteresisMirror) -> list[Bits]:

@@ -225,11 +225,11 @@ class Modes(InputBlock):
 
     def free_responses(self, t_s: Floats) -> list[Floats]:
         """exp(-zeta w0 t) cos(wd t), exp(-zeta w0 t) sin(wd t),   wd = sqrt(1 - zeta^2) w0"""
-        found = []
+        responses = []
         for f_Hz, zeta in zip(self.f_Hz, self.zeta, strict=True):
             fading, turn = np.exp(-zeta * 2.0 * np.pi * f_Hz * t_s), math.sqrt(1.0 - zeta**2) * 2.0 * np.pi * f_Hz * t_s
-            found += [fading * np.cos(turn), fading * np.sin(turn)]
-        return found
+            responses += [fading * np.cos(turn), fading * np.sin(turn)]
+        return responses
 
     def image(self, u_V: Interval) -> Interval:
         """The bound of a linear block: half the width of the range times the integral of |impulse response|.
@@ -312,8 +312,8 @@ class Modes(InputBlock):
         """
         steps = self.steps(Ts_s)
         real, imag = steps.real.astype(np.float32), steps.imag.astype(np.float32)
-        left, turn = 1.0 - real.astype(np.float64), imag.astype(np.float64)
-        if not (left * left + turn * turn < 1.0).all():
+        rest, turn = 1.0 - real.astype(np.float64), imag.astype(np.float64)
+        if not (rest * rest + turn * turn < 1.0).all():
             raise ModelError("modes: a mode this slow and light does not decay in float32; raise its damping")
         of_position, of_velocity = self.weights(Ts_s)
         direct = self.direct(Ts_s)
