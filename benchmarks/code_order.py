@@ -22,11 +22,10 @@ from pathlib import Path
 
 import numpy as np
 
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware import firmware_model
 from hysgen.model.model import Model
 from hysgen_c674x.caches import L1P_LINE, L1P_SETS, program_lines
-from hysgen_c674x.firmware.simulated import compile_image
-from hysgen_c674x.firmware.target import link_image
+from hysgen_c674x.firmware.target import compile_image, link_image
 from hysgen_c674x.firmware.timing import LEARN, LOOP, periods
 from hysgen_c674x.processor import AccessKind, Trace
 from hysgen_c674x.schedule.folder import kernels, with_kernels

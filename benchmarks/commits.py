@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.codegen import Options, generate
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.struct_words import Commit

@@ -11,7 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from hysgen.firmware.binding import firmware_model
+from hysgen.firmware import firmware_model
 from hysgen_c674x.caches import Misses
 from hysgen_c674x.firmware.timing import BUDGET, TIMING_HEADS, Timing, image_cost, timing_rows
 from hysgen_c674x.schedule.folder import kernels, with_kernels

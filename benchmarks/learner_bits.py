@@ -16,9 +16,9 @@ import time
 
 from smooth_model import smooth
 
+from hysgen.checking import LEVELS, Host, compiled, host_compilers, toolchains
 from hysgen.checking.bits.comparison import Task, compare_task
 from hysgen.checking.bits.functions import LEARNER, chunks
-from hysgen.checking.host import LEVELS, Host, compiled, host_compilers, toolchains
 from hysgen.codegen import Options, generate
 from hysgen.display import table
 from hysgen.model.learner_settings import LearnerSettings

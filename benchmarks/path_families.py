@@ -42,7 +42,7 @@ from hysgen.diagnosis.probe import Chain, Fit, Mode, Part, Scene, Trace, refine,
 from hysgen.diagnosis.search import SearchResult, search, thinned
 from hysgen.errors import HysgenError
 from hysgen.fitting import FitSettings, fit
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.processes import one_blas_thread
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation

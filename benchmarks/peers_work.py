@@ -66,7 +66,7 @@ def updates(package: str) -> Callable[[], int]:
     if package == "hysgen C":
         import dataclasses
 
-        from hysgen.checking.host import Host
+        from hysgen.checking import Host
         from hysgen.codegen import generate
         from hysgen.model.learner_settings import LearnerSettings
 

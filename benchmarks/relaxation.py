@@ -2,7 +2,7 @@
 
 Run:  python benchmarks/relaxation.py [--seeds 700:710] [--hysterons 1024]
 
-Each stage is that of the family `thermal` without other effects (`stage/families/plants.py`): 32 000 rows to fit,
+Each stage is that of the family `thermal` without other effects (`stage/families/__init__.py`): 32 000 rows to fit,
 16 000 rows of another command to score, both after a movement that the records do not contain. `before`: the best, on
 the scored rows, of the plays and Duhem states in the sizes of the cause `memory`, alone and with creep; `after`: plays
 that relax, in the size `RELAXING`. The noise is subtracted from the powers of both in the last column.
@@ -22,8 +22,7 @@ from hysgen.model.path.creep import Creep
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.scores import score
 from hysgen.record import Record
-from hysgen_lab.stage.families import laws
-from hysgen_lab.stage.families.plants import IDENTIFY, plant, records
+from hysgen_lab.stage.families import IDENTIFY, laws, plant, records
 
 
 def main() -> None:

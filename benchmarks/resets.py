@@ -15,7 +15,7 @@ import numpy as np
 from skipped_packets import MODEL, driven, image, machine, send
 
 from hysgen.errors import TargetError
-from hysgen.firmware.host import FirmwareStatus
+from hysgen.firmware.wire import FirmwareStatus
 from hysgen_c674x.machine import Machine
 
 NEVER = 0xFFFFFFFF

@@ -18,13 +18,10 @@ from dataclasses import replace
 import numpy as np
 
 from hysgen.errors import TargetError
-from hysgen.firmware.binding import CONTROLLER, SIMULATOR_BOARD, firmware_model, read_sources
-from hysgen.firmware.host import State
-from hysgen.firmware.image import Label, encode
-from hysgen.firmware.wire import image_frames
-from hysgen_c674x.firmware.simulated import virtual_stage
-from hysgen_c674x.firmware.target import compile_placed
-from hysgen_c674x.footprint import c_texts
+from hysgen.firmware import CONTROLLER, SIMULATOR_BOARD, Label, encode, firmware_model, read_sources
+from hysgen.firmware.wire import State, image_frames
+from hysgen_c674x.cycles import c_texts
+from hysgen_c674x.firmware.target import compile_placed, virtual_stage
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import NEVER, AccessKind
 from hysgen_lab.firmware.reference_models import firmware_models

@@ -14,13 +14,12 @@ from pathlib import Path
 import numpy as np
 from smooth_model import behind_path, smooth
 
+from hysgen.checking import Host
 from hysgen.checking.bits.functions import COMPARED_STRUCTS, STYLES, chunks
 from hysgen.checking.cost import nanoseconds
-from hysgen.checking.host import Host
 from hysgen.codegen import Options, generate
 from hysgen.codegen.manifest import read_folder
-from hysgen.codegen.operations import figures
-from hysgen.codegen.operations.cycles import C674X, STEPS, estimated
+from hysgen.codegen.operations import C674X, STEPS, estimated, figures
 from hysgen.display import table
 from hysgen.machine.native import default_toolchain
 from hysgen.model.learner_settings import BIAS, GROUPS, LearnerSettings
@@ -28,7 +27,7 @@ from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.targets import target
 from hysgen_c674x import toolchain
-from hysgen_c674x.footprint import c_texts, footprint
+from hysgen_c674x.cycles import c_texts, footprint
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.schedule.folder import kernels, with_kernels
 

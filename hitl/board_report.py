@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from hysgen.firmware.host import FirmwareStatus, Request, State
 from hysgen.firmware.link import BAUD, Client, open_line
+from hysgen.firmware.wire import FirmwareStatus, Request, State
 
 TOP_V, SECONDS = 40.0, 1.2
 """Height of the loop-back's triangles, and the time of the table."""

@@ -12,10 +12,10 @@ import pytest
 import hysgen
 from fixtures.bank_records import record_of
 from fixtures.tools import library
-from hysgen.checking.proof.checks import CheckSettings
+from hysgen.checking.proof import CheckSettings
 from hysgen.cli.verbs import NAMES
 from hysgen.display import Displayed
-from hysgen.firmware.image import Label
+from hysgen.firmware import Label
 from hysgen.report.plots.results import Drawing
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes

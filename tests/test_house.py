@@ -135,7 +135,7 @@ def test_a_target_that_is_not_installed_is_one_line_that_says_what_to_install(wo
 
 CORTEX = '''
 """A Cortex-M4: estimates from the cycles of its operations."""
-from hysgen.codegen.operations.cycles import Weights
+from hysgen.codegen.operations import Weights
 from hysgen.targets import Target
 TARGET = Target("cortexm4", about="nothing yet", weights=Weights("Cortex-M4", 30.0, 1.5, 3.0, {}))
 '''

@@ -17,16 +17,14 @@ import pytest
 from fixtures import exported_folders, firmware_bench
 from fixtures.foreign_names import COMMON, RUNNER, SELFTEST, aborting, output, preloaded, program, settings, zlib
 from fixtures.tools import library, need
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.codegen import generate
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
 from hysgen.errors import FitError, ModelError
 from hysgen.export import export_texts, exports, write_export
 from hysgen.export.fmu import _binary
-from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
-from hysgen.firmware.host import HostImage
-from hysgen.firmware.image import Label, encode
+from hysgen.firmware import CONTROLLER, HOST_BOARD, Label, encode, firmware_folder, firmware_model, read_sources
 from hysgen.firmware.wire import image_frames
 from hysgen.fitting import FitSettings
 from hysgen.machine import kernels
@@ -35,6 +33,7 @@ from hysgen.machine.native import default_toolchain, externals
 from hysgen.model.file import load_model
 from hysgen.model.names import TAKEN, is_taken
 from hysgen_c674x.translation import compiled
+from hysgen_lab.firmware.host import HostImage
 from hysgen_lab.stage import state
 from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
 
@@ -261,7 +260,7 @@ print(run(Stage.laboratory(), u_V, 1e-4, 1).displacement_um.tobytes().hex())
     "export": """
 import sys, hysgen
 from pathlib import Path
-from hysgen.export.check import compare
+from hysgen.export import compare
 model = hysgen.load_model("appendix_a")
 print([line.differ for line in compare(model, sys.argv[1], Path(sys.argv[2]), 400)])
 """,

@@ -14,7 +14,7 @@ from hysgen.errors import HysgenError
 from hysgen.export import export_texts
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen.record.columns import Columns
-from hysgen.report.plots.style import Text
+from hysgen.report.plots import Text
 
 K = np.arange(1500)
 B_MT = np.round(60.0 - 60.0 * np.cos(0.02 * K) * np.abs(np.cos(0.0031 * K)), 4)

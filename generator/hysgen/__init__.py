@@ -47,7 +47,7 @@ def _draw() -> Callable[..., Any]:
 
 
 def _inverse() -> Callable[..., Any]:
-    from hysgen.checking.host import inverse
+    from hysgen.checking import inverse
 
     return inverse
 

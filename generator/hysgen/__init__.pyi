@@ -24,7 +24,7 @@ from hysgen.api.models import rivals as rivals
 from hysgen.api.models import score as score
 from hysgen.api.models import simulate as simulate
 from hysgen.api.models import waveform as waveform
-from hysgen.checking.bits.report import Report as Report
+from hysgen.checking.bits import Report as Report
 from hysgen.checking.cost import Cost as Cost
 from hysgen.codegen import Options as Options
 from hysgen.diagnosis import DiagnoseSettings as DiagnoseSettings

@@ -7,6 +7,8 @@ its cycle count holds for every input. A loop of constant length also has one pa
 
 A jump through a register is taken as the return. This holds for C without function pointers compiled by `toolchain`,
 with -fno-jump-tables; a call through a pointer is detected and refused.
+
+Of the generated C of a model also the resources: cycles, code and stack of each function, bytes of data.
 """
 
 from bisect import bisect_right
@@ -15,13 +17,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from hysgen.codegen.manifest import c_files
+from hysgen.codegen.operations import figures
 from hysgen.errors import TargetError
-from hysgen_c674x import counters
+from hysgen_c674x import counters, toolchain
 from hysgen_c674x.assembly import Register
 from hysgen_c674x.counters import KnownPredicates
-from hysgen_c674x.decode import Jump, LoadAddress, Return
+from hysgen_c674x.decode import BRANCH_DELAY, Jump, LoadAddress, Return
 from hysgen_c674x.elf import ProgramImage
-from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet
 from hysgen_c674x.processor import STACK_POINTER
 
@@ -241,3 +244,43 @@ class _Walk:
         inside = sorted(at for at in self.data_dependent if head.address <= at <= place.address + 4 * 8)
         named = ", ".join(f"{at:08x}" for at in inside) or "none that depends on data"
         return f"{head.address:08x}: a loop without a limit; give one for a branch of it ({named})"
+
+
+def c_texts(texts: Mapping[str, str]) -> list[tuple[str, str]]:
+    """(file name, text) of what is compiled for the target among generated files: C, headers, and scheduled kernels."""
+    return [*c_files(texts).items(), *((name, text) for name, text in texts.items() if name.endswith("_c674x.s"))]
+
+
+def cycle_bounds(
+    name: str, texts: Mapping[str, str], firmware: toolchain.Firmware | None = None
+) -> dict[str, CycleBounds]:
+    """Stall-free cycles of each public function, by its name without the model's.
+
+    firmware: the compiled texts, if they are compiled already.
+    Raises BuildError without the toolchain, TargetError if the cycles of a function cannot be bounded.
+    """
+    program = firmware or toolchain.compile(c_texts(texts))
+    code = program.packets
+    functions = figures(name, texts).operations
+    return {function: bounds(program.image, code, f"{name}_{function}") for function in functions}
+
+
+def footprint(name: str, texts: Mapping[str, str]) -> dict[str, dict[str, int]]:
+    """Function without the model's name -> worst-case cycles, bytes of its own code, most stack including callees.
+
+    "all" holds the bytes of the program's code, "data" the bytes of the public structs and of the constant tables. The
+    self-test is left out.
+    Raises BuildError without the toolchain, TargetError if cycles or stack cannot be bounded.
+    """
+    firmware = toolchain.compile([(file, text) for file, text in c_texts(texts) if "selftest" not in file])
+    counted = figures(name, texts)
+    taken: dict[str, dict[str, int]] = {}
+    for function, bound in cycle_bounds(name, texts, firmware).items():
+        taken[function] = {
+            "cycles": bound.worst,
+            "code_bytes": firmware.function_bytes(f"{name}_{function}"),
+            "stack_bytes": bound.stack_bytes,
+        }
+    taken["all"] = {"code_bytes": firmware.section_bytes[".text"]}
+    taken["data"] = {"struct_bytes": sum(counted.struct_bytes.values()), "constant_bytes": counted.constant_bytes}
+    return taken

@@ -1,6 +1,10 @@
-"""Decoding of an instruction to one of nine actions.
+"""Decoding of an instruction to one of nine actions, and the delay slots of every modelled instruction.
 
 Interpreter, compiled engine and static cycle counts use the same actions.
+
+The result of an instruction issued in cycle t with d delay slots is read by instructions issued in cycle t + d + 1 and
+later; until then the register holds its old value. The pipeline has no interlocks: the compiler must schedule for it.
+Source: SPRUFE8, section 4 (pipeline phases per instruction type).
 """
 
 from collections.abc import Callable, Mapping
@@ -9,7 +13,24 @@ from dataclasses import dataclass
 from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, MASK, READS_DESTINATION
 from hysgen.errors import TargetError
 from hysgen_c674x.assembly import Instruction, Label, MemoryOperand, Operand, Pair, Register
-from hysgen_c674x.latency import DELAY_SLOTS
+
+BRANCH_DELAY = 5
+LOAD_DELAY = 4
+
+_SINGLE_CYCLE = (
+    "add sub and or xor andn abs addab addah addaw addad subab subah subaw shl shr shru ext extu set clr "
+    "cmpeq cmpgt cmplt cmpgtu cmpltu lmbd mvk mvkh addk abssp cmpeqsp cmpgtsp cmpltsp"
+)
+_TWO_CYCLE = "rotl mpy mpyu mpysu mpyus mpyh mpyhu mpyhl mpylh mpyhlu mpylhu"
+_FOUR_CYCLE = "mpy32 addsp subsp mpysp intsp intspu spint sptrunc"
+
+DELAY_SLOTS: Mapping[str, int] = {
+    **dict.fromkeys(_SINGLE_CYCLE.split(), 0),
+    **dict.fromkeys(_TWO_CYCLE.split(), 1),
+    **dict.fromkeys(_FOUR_CYCLE.split(), 3),
+    **dict.fromkeys(["ldb", "ldbu", "ldh", "ldhu", "ldw", "lddw", "ldnw", "ldndw"], LOAD_DELAY),
+}
+
 
 Source = Register | int
 

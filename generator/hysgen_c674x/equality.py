@@ -16,14 +16,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.checking import Host
 from hysgen.checking.bits.comparison import Task, tasks
 from hysgen.checking.bits.functions import LEARNER, LEARNING_SHARE, MODEL, STYLES, chunks
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
-from hysgen.checking.host import Host
 from hysgen.display import table
 from hysgen.model.model import Model
 from hysgen_c674x import toolchain
-from hysgen_c674x.footprint import c_texts
+from hysgen_c674x.cycles import c_texts
 from hysgen_c674x.machine import CallOutcomes, Machine
 
 Words = NDArray[np.uint32]

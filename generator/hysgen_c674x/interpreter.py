@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, MASK, FloatUnit, signed
 from hysgen_c674x.assembly import Instruction, Register
 from hysgen_c674x.decode import (
+    BRANCH_DELAY,
     CONTROL,
     Access,
     Action,
@@ -29,7 +30,6 @@ from hysgen_c674x.decode import (
     Store,
     WriteControl,
 )
-from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet
 from hysgen_c674x.processor import (
     INTERRUPT_OVERHEAD,

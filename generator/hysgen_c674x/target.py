@@ -6,7 +6,7 @@ The functions import their machinery when they are called: the help of a verb li
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hysgen.codegen.operations.cycles import C674X
+from hysgen.codegen.operations import C674X
 from hysgen.model.model import Model
 from hysgen.targets import Equality, Extent, Kernels, Progress, Say, Target, TargetCost, Texts
 
@@ -23,7 +23,7 @@ def verify(model: Model, texts: Texts, extent: Extent, progress: Progress) -> Eq
 
 def cost(model: Model, texts: Texts) -> TargetCost:
     """Cycles, code and stack of every function, and the kernels beside their bounds."""
-    from hysgen_c674x.footprint import footprint
+    from hysgen_c674x.cycles import footprint
     from hysgen_c674x.schedule.limits import kernel_costs, kernel_table
 
     figures, scheduled = footprint(model.name, texts), kernel_costs(model.name, texts)

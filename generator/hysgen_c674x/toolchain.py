@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
-from hysgen.checking.proof.warnings import BASIC
+from hysgen.checking.proof.static import BASIC
 from hysgen.errors import BuildError
 from hysgen.machine.native import cached_object, compiler_version
 from hysgen_c674x import elf

@@ -12,6 +12,7 @@ from hysgen.checking.symbolic.semantics import FLOAT, MASK
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 from hysgen_c674x.assembly import Instruction, Register
 from hysgen_c674x.decode import (
+    BRANCH_DELAY,
     Access,
     Action,
     Compute,
@@ -24,7 +25,6 @@ from hysgen_c674x.decode import (
     Store,
     WriteControl,
 )
-from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet
 from hysgen_c674x.processor import (
     INTERRUPT_OVERHEAD,

@@ -20,7 +20,7 @@ from hysgen.certify.certificates import (
 )
 from hysgen.certify.enclosure import Extremum
 from hysgen.certify.path_inverse import HysteresisSlopes, PathInverse
-from hysgen.checking.bits import VerifySettings, verify_texts
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import CertificateError, ModelError

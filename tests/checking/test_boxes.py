@@ -15,7 +15,7 @@ from fixtures.generated_models import diagnosed
 from fixtures.proof_models import model, texts
 from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, TOGETHER, compiled_with, hard_inputs, model_with
 from fixtures.tools import need
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.checking.proof.eva.boxes import WILD, learner_box, parts_box, state_box
 from hysgen.checking.proof.eva.calls import learn_step, prove_call, step
 from hysgen.codegen.structs import Interface, interface_of

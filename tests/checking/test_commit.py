@@ -17,8 +17,8 @@ from fixtures.commit_border import acceptance_boundary, answers, directions
 from fixtures.generated_models import smooth
 from fixtures.learner_bench import START_UM, START_V, sized, texts_of
 from hysgen.certify.certificates import certify
+from hysgen.checking import Host, compiled
 from hysgen.checking.bits.comparison import committer_of, compare_commit
-from hysgen.checking.host import Host, compiled
 from hysgen.float32.learner_numbers import learned_model
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.struct_words import Commit

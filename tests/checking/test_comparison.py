@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hysgen.checking.bits.comparison import Task, compare_selftest, compare_task, samples_to_compare, tasks
+from hysgen.checking import Build
+from hysgen.checking.bits import ComparedRun, Mismatch, Report
+from hysgen.checking.bits.comparison import Task, compare_selftest, compare_task, shares, tasks
 from hysgen.checking.bits.functions import NEARLY_FULL, STYLES, CallTrace, ComparedStruct, chunks, ranges, weaker_stage
-from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
-from hysgen.checking.host import Build
 from hysgen.float32.reference.instance import Instance
 from hysgen.machine.native import Toolchain
 from hysgen.model.file import load_model
@@ -181,7 +181,7 @@ def test_every_function_of_the_header_is_compared_under_every_style_in_its_share
         (function, style) for function in ("init", "predict", "simulate", "learn") for style in STYLES
     ]
     # A third of 1000 samples for each of three functions, in shares of 25, 40, 20 and 15 %; init 5000 per style.
-    assert samples_to_compare(host, 1000) == 3 * (84 + 134 + 67 + 50) + 4 * 5000
+    assert sum(samples for _, samples in shares(host, 1000)) == 3 * (84 + 134 + 67 + 50) + 4 * 5000
     assert [task.learns for task in tasks(host)] == [False] * 12 + [True] * 4
 
 

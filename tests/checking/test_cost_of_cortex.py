@@ -10,9 +10,9 @@ import pytest
 from fixtures.generated_models import everything, smooth
 from fixtures.learner_bench import sized
 from fixtures.tools import need
-from hysgen.codegen import Options, generate, write
-from hysgen.codegen.operations import figures
-from hysgen.codegen.operations.cycles import estimated
+from hysgen.codegen import Options, generate
+from hysgen.codegen.manifest import write
+from hysgen.codegen.operations import estimated, figures
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.targets import target

@@ -8,12 +8,11 @@ import pytest
 from fixtures.guards import unguarded_against_fusing
 from fixtures.proof_models import model, texts
 from fixtures.tools import need
+from hysgen.checking import Host
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
-from hysgen.checking.host import Host
-from hysgen.checking.proof.emulated_equality import EmulationSettings, equality
-from hysgen.checking.proof.emulated_program import PLATFORMS, Emulated, Platform
+from hysgen.checking.proof.emulated import PLATFORMS, Emulated, EmulationSettings, Platform, equality
 from hysgen.cli import main
-from hysgen.codegen import write
+from hysgen.codegen.manifest import write
 from hysgen.errors import BuildError
 
 # `hysgen verify DIR --target emulated --samples 1000000` makes the long run; its table is in docs/target.md.

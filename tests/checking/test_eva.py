@@ -17,13 +17,11 @@ from fixtures.guards import Guard, guards, without
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.term_models import RESPONSES, model_with
 from fixtures.tools import need
-from hysgen.checking.host import Host
-from hysgen.checking.proof.eva import calls
+from hysgen.checking import Host
+from hysgen.checking.proof.eva import calls, prove, proved
 from hysgen.checking.proof.eva.calls import prove_call, prove_commit, prove_update, step
-from hysgen.checking.proof.eva.frama import Floats, analyse, check_contract
-from hysgen.checking.proof.eva.report import prove, proved
+from hysgen.checking.proof.eva.frama import Floats, analyse, check_contract, hook_names, hooked
 from hysgen.checking.proof.eva.states import case_lines, splits
-from hysgen.checking.proof.sources import hook_names, hooked
 from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, ModelError
 from hysgen.machine.native import Toolchain

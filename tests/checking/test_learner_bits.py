@@ -9,7 +9,7 @@ import pytest
 
 from fixtures.learner_bench import Floats32, Pair, corrupted, sized, texts_of
 from fixtures.proof_models import texts
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.errors import HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LearnerSettings

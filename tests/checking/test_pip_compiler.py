@@ -7,8 +7,8 @@ import pytest
 
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import library
-from hysgen.checking.bits import VerifySettings, verify_texts
-from hysgen.codegen import write
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
+from hysgen.codegen.manifest import write
 from hysgen.machine import kernel_build, native
 
 pytestmark = pytest.mark.slow

@@ -9,12 +9,11 @@ import pytest
 
 from fixtures.proof_models import SHIPPED, model, shipped, texts
 from fixtures.tools import need
+from hysgen.checking.bits import Report
 from hysgen.checking.bits.learning_run import LearningResult
-from hysgen.checking.bits.report import Report
-from hysgen.checking.proof.checks import sanitize
-from hysgen.checking.proof.emulated_equality import EmulatedReport
-from hysgen.checking.proof.misra import ADVISORY, DEVIATIONS, misra
-from hysgen.checking.proof.warnings import COMPILERS, wall
+from hysgen.checking.proof import sanitize
+from hysgen.checking.proof.emulated import EmulatedReport
+from hysgen.checking.proof.static import ADVISORY, COMPILERS, DEVIATIONS, misra, wall
 from hysgen.codegen import generate
 from hysgen.errors import BuildError
 from hysgen.model.learner_settings import LearnerSettings

@@ -17,7 +17,7 @@ from fixtures.learner_bench import sized, texts_of
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.proof_models import model as proof_model
 from fixtures.tools import library
-from hysgen.checking.bits import VerifySettings, verify_texts
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
 from hysgen.checking.proof.translation import Translation, translation
 from hysgen.checking.symbolic import solver
 from hysgen.checking.symbolic.arrays import Symbols, traced

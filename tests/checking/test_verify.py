@@ -14,9 +14,11 @@ from fixtures.guards import unguarded_against_fusing
 from fixtures.proof_models import SHIPPED, shipped
 from fixtures.tools import need
 from hysgen.api.code import verify
-from hysgen.checking.bits import Report, VerifySettings, verify_texts
+from hysgen.checking.bits import Report
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
 from hysgen.cli.main import main
-from hysgen.codegen import generate, write
+from hysgen.codegen import generate
+from hysgen.codegen.manifest import write
 from hysgen.model.file import load_model
 from hysgen.model.model import Grid, Model
 from hysgen.model.path.creep import Creep

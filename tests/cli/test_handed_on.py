@@ -14,9 +14,8 @@ from hysgen.cli.console import Console
 from hysgen.cli.main import parser
 from hysgen.cli.verbs import firmware, generate, verify
 from hysgen.errors import BuildError
-from hysgen.export.check import Compared
-from hysgen.firmware.binding import build_id, structure_digest
-from hysgen.firmware.image import Label, encode
+from hysgen.export import Compared
+from hysgen.firmware import Label, build_id, encode, structure_digest
 from hysgen.model.file import load_model
 from hysgen.targets import emulated
 

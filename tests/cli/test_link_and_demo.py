@@ -15,8 +15,7 @@ from hysgen.cli import main
 from hysgen.cli.console import Console
 from hysgen.cli.verbs import diagnose as demo
 from hysgen.cli.verbs import firmware as verbs
-from hysgen.firmware.host import Request
-from hysgen.firmware.wire import LinkStatus
+from hysgen.firmware.wire import LinkStatus, Request
 from hysgen.model.file import load_model
 from hysgen.record.read import IDENTIFICATION_ROWS, bundled_csv
 

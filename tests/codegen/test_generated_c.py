@@ -10,9 +10,10 @@ import pytest
 
 from fixtures.generated_models import everything, learning, smooth
 from fixtures.tools import need
-from hysgen.checking.host import Host
-from hysgen.checking.proof.warnings import wall_flags
-from hysgen.codegen import Options, generate, write
+from hysgen.checking import Host
+from hysgen.checking.proof.static import wall_flags
+from hysgen.codegen import Options, generate
+from hysgen.codegen.manifest import write
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.file import load_model
 from hysgen.model.model import Model

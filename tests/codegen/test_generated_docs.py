@@ -10,7 +10,7 @@ import pytest
 
 from fixtures import proof_models as proof_models
 from fixtures.tools import need
-from hysgen.codegen import write
+from hysgen.codegen.manifest import write
 from hysgen.float32.coefficients import coefficients
 from hysgen.float32.learner_numbers import learner_numbers
 from hysgen.float32.reference.instance import Instance

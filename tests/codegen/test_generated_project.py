@@ -11,9 +11,9 @@ import pytest
 
 from fixtures.generated_models import everything, learning
 from fixtures.tools import need
-from hysgen.codegen import generate, write
-from hysgen.codegen.manifest import read_folder
-from hysgen.firmware.binding import with_learner
+from hysgen.codegen import generate
+from hysgen.codegen.manifest import read_folder, write
+from hysgen.firmware import with_learner
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 

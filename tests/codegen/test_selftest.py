@@ -8,7 +8,7 @@ import pytest
 
 from fixtures.proof_models import model
 from hysgen.certify.certificates import certify
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.codegen import Options, generate
 from hysgen.codegen.selftest import hashed, learning
 from hysgen.float32.struct_words import Commit

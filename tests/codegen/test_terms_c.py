@@ -8,8 +8,8 @@ import pytest
 from fixtures.generated_models import hysteresis, relaxing
 from fixtures.term_models import BLOCKS, FUNCTIONS, RESPONSES, TERMS, TOGETHER, compiled_with, hard_inputs, model_with
 from fixtures.tools import library
+from hysgen.checking import Host
 from hysgen.checking.bits.functions import CallTrace, first_difference
-from hysgen.checking.host import Host
 from hysgen.checking.proof.translation import translation
 from hysgen.codegen import generate
 from hysgen.float32.reference.instance import Instance

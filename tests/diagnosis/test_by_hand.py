@@ -30,7 +30,7 @@ from hysgen.model.file import load_model
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.limits import Saturation, Slew
 from hysgen.model.path.modes import Modes
-from hysgen_lab.studies.bank.truth import true_extension
+from hysgen_lab.studies.bank.scenario import true_extension
 
 WHITE = np.random.default_rng(11).normal(size=20_000)
 

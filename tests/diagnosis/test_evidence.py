@@ -38,8 +38,8 @@ from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine
 from hysgen.diagnosis.procedure import name_causes
 from hysgen.diagnosis.score import LEAST_EVIDENCE, Scored, present, resting_noise
 from hysgen.diagnosis.search import search
-from hysgen.machine.kernels.run import innovation_gains, innovations
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.kernels import innovation_gains, innovations
+from hysgen.machine.processes import one_blas_thread
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.path.modes import Modes
 from hysgen.record import Record

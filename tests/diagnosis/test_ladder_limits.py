@@ -14,8 +14,7 @@ from hysgen.diagnosis.probe import Chain, linear_fit, rms
 from hysgen.fitting import FitSettings
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.record import Record
-from hysgen_lab.studies.bank.scenario import good
-from hysgen_lab.studies.bank.truth import true_extensions
+from hysgen_lab.studies.bank.scenario import good, true_extensions
 
 FULL_STROKE_V = 50.0 - 50.0 * np.cos(2.0 * np.pi * np.arange(400) / 400.0)
 

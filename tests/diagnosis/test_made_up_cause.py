@@ -18,7 +18,7 @@ import numpy as np
 from hysgen import DiagnoseSettings, FitSettings, Record
 from hysgen.codegen import generate
 from hysgen.diagnosis import diagnose
-from hysgen.checking.bits import VerifySettings, verify_texts
+from hysgen.checking.bits.comparison import (VerifySettings, verify_texts)
 from hysgen.checking.proof.eva.calls import prove_call
 from hysgen.diagnosis.causes import VOCABULARY
 from hysgen_lab.stage import Stage, run

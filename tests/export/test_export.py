@@ -13,13 +13,12 @@ import pytest
 from fixtures import proof_models
 from fixtures.exported_folders import NAME, TOOLS, exported, model
 from fixtures.tools import library, need
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.errors import BudgetError, HysgenError
-from hysgen.export import export_texts, exports, write_export
+from hysgen.export import Reference, compare, export_texts, exports, inputs, write_export
 from hysgen.export.base import MODES, Samples
-from hysgen.export.check import Reference, compare, inputs
 from hysgen.export.fmu import archive
 from hysgen.float32.struct_words import Commit
 from hysgen.machine.files import digest

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from fixtures.exported_folders import NAME, model
+from hysgen import export
 from hysgen.codegen import Options
 from hysgen.errors import BuildError
-from hysgen.export import a2l, base, check, export_texts, fmu, programs, write_export
+from hysgen.export import Reference, a2l, base, export_texts, fmu, programs, write_export
 from hysgen.export.base import MODES, component_facts
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
@@ -149,9 +150,9 @@ def test_a_table_of_one_number_has_limits_that_hold_it_and_differ(value: float, 
 
 @pytest.mark.parametrize(("mode", "scale"), [(MODES[0], 1.0), (MODES[3], 1.002)], ids=["predict", "learn"])
 def test_a_displacement_is_the_free_run_with_little_noise_enlarged_for_a_learner(mode: Any, scale: float) -> None:
-    component = check.Reference.compile(load_model("appendix_a"), Options())
-    samples = check.inputs(component, mode, 97)
-    rows = dataclasses.replace(samples, mode=check.SIMULATE)
+    component = Reference.compile(load_model("appendix_a"), Options())
+    samples = export.inputs(component, mode, 97)
+    rows = dataclasses.replace(samples, mode=export.SIMULATE)
     free = np.concatenate([[samples.y0_um], component.run(rows)[:-1, 0].copy().view(np.float32)])
     noise = samples.column(0) / scale - free
     assert noise.std() == pytest.approx(1e-4, rel=0.2)
@@ -161,7 +162,7 @@ def test_a_displacement_is_the_free_run_with_little_noise_enlarged_for_a_learner
 def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_far_it_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    component = check.Reference.compile(model(), Options())
+    component = Reference.compile(model(), Options())
 
     def other(places: list[tuple[int, int]]) -> Any:
         def run(_: Any, __: Path, samples: base.Samples) -> Any:
@@ -173,9 +174,9 @@ def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_fa
         return run
 
     ways = {"equal": other([]), "wrong": other([(0, 0), (3, 1), (7, 0), (7, 1)])}
-    monkeypatch.setattr(check, "export_of", lambda _: SimpleNamespace(ways=ways))
+    monkeypatch.setattr(export, "export_of", lambda _: SimpleNamespace(ways=ways))
     progress: list[tuple[float, str]] = []
-    found = check.compare(model(), "shared", tmp_path, 20, None, lambda *step: progress.append(step))
+    found = export.compare(model(), "shared", tmp_path, 20, None, lambda *step: progress.append(step))
     assert [(line.target, line.mode, line.samples, line.differ) for line in found] == [
         (way, mode.name, 20, differ) for mode in MODES for way, differ in (("equal", 0), ("wrong", 3))
     ]
@@ -184,10 +185,10 @@ def test_a_comparison_counts_samples_of_another_result_or_status_and_says_how_fa
     ]
     assert str(found[1]) == "wrong          predict   20 samples, 3 differ"
     monkeypatch.setattr(
-        check, "export_of", lambda _: SimpleNamespace(ways={"short": lambda *_: np.zeros((19, 2), np.uint32)})
+        export, "export_of", lambda _: SimpleNamespace(ways={"short": lambda *_: np.zeros((19, 2), np.uint32)})
     )
     with pytest.raises(BuildError, match="short, mode predict: 19 of 20 samples came back"):
-        check.compare(model(), "shared", tmp_path, 20)
+        export.compare(model(), "shared", tmp_path, 20)
     missing = dataclasses.replace(MODES[0], number=9, name="none")
     with pytest.raises(BuildError, match="has no mode none"):
         component.run(base.Samples(missing, np.float32(0), np.float32(0), np.zeros((1, 4), np.uint32)))

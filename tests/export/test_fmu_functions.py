@@ -8,8 +8,8 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from fixtures.fmu_calls import DISCARD, ERROR, OK, TS_S, Fmu, compiled, named, token
 from hysgen.codegen import Options
+from hysgen.export import Reference, inputs
 from hysgen.export.base import MODES
-from hysgen.export.check import Reference, inputs
 from hysgen.model.structs import Status
 
 STANDARDS = pytest.mark.parametrize("standard", [2, 3])

@@ -12,9 +12,8 @@ import pytest
 from fixtures.exported_folders import NAME, model
 from hysgen.codegen import Options
 from hysgen.codegen.manifest import c_files
-from hysgen.export import export_texts
+from hysgen.export import Reference, export_texts, inputs
 from hysgen.export.base import MODES, Mode
-from hysgen.export.check import Reference, inputs
 from hysgen.float32.struct_words import Commit
 from hysgen.machine.native import Library, build, default_toolchain
 

@@ -12,9 +12,9 @@ import pytest
 from fixtures.board_drivers import Chip
 from fixtures.firmware_bench import model
 from fixtures.tools import need
-from hysgen.codegen import write
+from hysgen.codegen.manifest import write
 from hysgen.errors import BuildError
-from hysgen.firmware.binding import (
+from hysgen.firmware import (
     CONTROLLER,
     EMPTY_STORE,
     HOST_BOARD,

@@ -11,14 +11,39 @@ import pytest
 
 from fixtures.firmware_bench import KEY, model
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware import link
-from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, build_id, read_sources
-from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, Request, State
-from hysgen.firmware.image import ANSWERS, Label, Owner, ParameterImage, decode, encode, pack, read_key
+from hysgen.firmware import (
+    ANSWERS,
+    CONTROLLER,
+    HOST_BOARD,
+    Label,
+    Owner,
+    ParameterImage,
+    build_id,
+    decode,
+    encode,
+    link,
+    pack,
+    read_key,
+    read_sources,
+)
 from hysgen.firmware.link import Client
-from hysgen.firmware.wire import ANSWER, CHUNK, CODES, SETTINGS_BYTES, Command, Identity, LinkStatus, frame, payload
+from hysgen.firmware.wire import (
+    ANSWER,
+    CHUNK,
+    CODES,
+    SETTINGS_BYTES,
+    Command,
+    FirmwareStatus,
+    Identity,
+    LinkStatus,
+    Request,
+    State,
+    frame,
+    payload,
+)
 from hysgen.float32.coefficients import Bank
 from hysgen.model.file import dump_model
+from hysgen_lab.firmware.host import FAULTS, BoardFault
 
 WORDS = (5, 0x13, 0x40000, 77, *(0,) * 4, 0, 0, 640, 8, 1, 2, 300, 4, 500, 600, 7, 6000, 0x7FC00000)
 

@@ -14,8 +14,8 @@ import pytest
 from fixtures.eva_firmware import ANY_FLOAT, MODEL, eva_sources
 from fixtures.tools import need
 from hysgen.checking.proof.eva.frama import Verdict, analyse
-from hysgen.checking.proof.misra import misra
-from hysgen.firmware.binding import CONTROLLER, TARGET_BOARD, read_sources
+from hysgen.checking.proof.static import misra
+from hysgen.firmware import CONTROLLER, TARGET_BOARD, read_sources
 
 ADVISORY = {
     "8.11": "extern arrays without a size: symbols of the linker",

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import KEY, REFERENCE_UM, booted, model
-from hysgen.firmware.host import SLOT_BYTES, BoardFault, FirmwareStatus, HostFirmware, Request, Settings, State
-from hysgen.firmware.image import Label, encode
+from hysgen.firmware import Label, encode
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
+from hysgen_lab.firmware.host import SLOT_BYTES, BoardFault, HostFirmware
 
 PERIOD = 7500
 BAD = 8

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import ModelStage, extended_image, image, model, sine
-from hysgen.firmware.host import FirmwareStatus, HostFirmware, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Settings, State
 from hysgen.model.path import preview
+from hysgen_lab.firmware.host import HostFirmware
 from hysgen_lab.firmware.reference_models import extended
 
 WRONG_UM = 0.1

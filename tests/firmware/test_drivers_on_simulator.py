@@ -13,7 +13,7 @@ import pytest
 
 from fixtures.board_model import SLOTS, BoardModel, library
 from fixtures.c674x_compiler import need_compiler
-from hysgen.firmware.binding import CONTROLLER, TARGET_BOARD, read_sources
+from hysgen.firmware import CONTROLLER, TARGET_BOARD, read_sources
 from hysgen_c674x import toolchain
 from hysgen_c674x.processor import Devices
 from hysgen_c674x.toolchain import Firmware

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, booted, on_itself, sine, tracking
-from hysgen.firmware.host import FAULTS, BoardFault, FirmwareStatus, HostFirmware, Log, Request, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
+from hysgen_lab.firmware.host import FAULTS, BoardFault, HostFirmware, Log
 
 SETTINGS = Settings(low_V=-5.0, high_V=60.0, step_V=1.0)
 BAD, ASTRAY = 8, 50

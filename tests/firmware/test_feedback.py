@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import ModelStage, model
-from hysgen.firmware.binding import firmware_model
-from hysgen.firmware.host import HostFirmware, HostImage, Settings, State
+from hysgen.firmware import firmware_model
+from hysgen.firmware.wire import Settings, State
 from hysgen.model.model import Model
+from hysgen_lab.firmware.host import HostFirmware, HostImage
 
 LOW_V, HIGH_V = 22.0, 56.0
 LOOPED = Settings(loop=True, low_V=0.0, high_V=60.0, follow_um=0.49)

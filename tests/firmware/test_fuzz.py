@@ -20,8 +20,7 @@ from pathlib import Path
 import pytest
 
 from fixtures.firmware_bench import KEY, model
-from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, firmware_folder, firmware_model, read_sources
-from hysgen.firmware.image import Label, encode
+from hysgen.firmware import CONTROLLER, HOST_BOARD, Label, encode, firmware_folder, firmware_model, read_sources
 from hysgen.machine.native import Library, Toolchain, build, default_toolchain
 from hysgen.model.file import load_model
 from hysgen.model.model import Model

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from fixtures.firmware_bench import Direct, ModelStage, image, model
-from hysgen.firmware.host import HostFirmware
 from hysgen.firmware.link import Client
+from hysgen_lab.firmware.host import HostFirmware
 
 SPEC = importlib.util.spec_from_file_location("report", Path(__file__).resolve().parents[2] / "hitl/board_report.py")
 

@@ -12,13 +12,26 @@ import pytest
 from fixtures.firmware_bench import KEY, ModelStage, booted, compiled, image, model, sine, tracking
 from hysgen.api.models import design_loop
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
-from hysgen.firmware.host import FAULTS, SLOT_BYTES, FirmwareStatus, HostFirmware, HostImage, Request, Settings, State
-from hysgen.firmware.image import ANSWERS, NO_KEY, Label, Owner, decode, encode, pack, siphash
+from hysgen.firmware import (
+    ANSWERS,
+    NO_KEY,
+    Label,
+    Owner,
+    build_id,
+    decode,
+    encode,
+    firmware_model,
+    pack,
+    siphash,
+    structure_digest,
+    with_learner,
+)
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
 from hysgen.fitting import FitSettings
 from hysgen.fitting.refit import refit
 from hysgen.model.model import Model
 from hysgen.record import Record
+from hysgen_lab.firmware.host import FAULTS, SLOT_BYTES, HostFirmware, HostImage
 from hysgen_lab.firmware.reference_models import TS_S, identified, laboratory, measured
 from hysgen_lab.stage import StageState
 from hysgen_lab.stage.signals import nested_amplitudes

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import Direct, booted
-from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Request, State
 from hysgen.firmware.link import Client
+from hysgen.firmware.wire import FirmwareStatus, Request, State
+from hysgen_lab.firmware.host import FAULTS, HostFirmware
 
 FILL, WORDS, ROUND = 0x5AFE57AC, 64, 11
 """A round reads eight of the code's and the settings' words a sample."""

@@ -15,9 +15,10 @@ import pytest
 from fixtures.firmware_bench import KEY, REFERENCE_UM, Direct, booted, model, sine
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.host import SLOT_BYTES, HostFirmware, Request, Settings, State
-from hysgen.firmware.image import Label, ParameterImage, encode, pack
+from hysgen.firmware import Label, ParameterImage, encode, pack
 from hysgen.firmware.link import Client, kept_text, read_kept
+from hysgen.firmware.wire import Request, Settings, State
+from hysgen_lab.firmware.host import SLOT_BYTES, HostFirmware
 
 BUILT = Settings(power_samples=7)
 OTHER = replace(BUILT, learn=True, low_V=-5.5, hold_samples=77, offset_um=0.75, reading_gain=1.01, output_zero_V=-0.3)

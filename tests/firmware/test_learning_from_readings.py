@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, extended_image, model, on_itself, sine
-from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Settings, State
+from hysgen_lab.firmware.host import BoardFault, HostFirmware
 from hysgen_lab.firmware.reference_models import extended
 
 LEARNING = Settings(learn=True)

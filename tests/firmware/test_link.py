@@ -20,12 +20,22 @@ from fixtures.firmware_bench import Direct, ModelStage, image, model
 from fixtures.tools import library
 from hysgen.cli.main import main
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest
-from hysgen.firmware.host import BoardFault, HostFirmware, Request, Settings, State
-from hysgen.firmware.image import ANSWERS, Label, Owner, encode
+from hysgen.firmware import ANSWERS, Label, Owner, build_id, encode, firmware_model, structure_digest
 from hysgen.firmware.link import Client
-from hysgen.firmware.wire import ANSWER, Command, LinkStatus, command, frame, image_frames, payload
-from hysgen_c674x.firmware.simulated import compile_image
+from hysgen.firmware.wire import (
+    ANSWER,
+    Command,
+    LinkStatus,
+    Request,
+    Settings,
+    State,
+    command,
+    frame,
+    image_frames,
+    payload,
+)
+from hysgen_c674x.firmware.target import compile_image
+from hysgen_lab.firmware.host import BoardFault, HostFirmware
 
 OWNER = Owner(bytes(range(16)), 0xABCDEF)
 QUICK = Settings(hold_samples=256, ramp_V=0.5)

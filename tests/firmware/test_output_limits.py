@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import ModelStage, extended_image, image, model
-from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Settings, State
 from hysgen.model.path import preview
+from hysgen_lab.firmware.host import FAULTS, HostFirmware
 from hysgen_lab.firmware.reference_models import extended
 
 CENTRE_UM = 2.0

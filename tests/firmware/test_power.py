@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, booted, tracking
-from hysgen.firmware.host import BoardFault, FirmwareStatus, HostFirmware, Request, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
+from hysgen_lab.firmware.host import BoardFault, HostFirmware
 
 SETTINGS = Settings(power_samples=50, hold_samples=512, ramp_V=0.05)
 

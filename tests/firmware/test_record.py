@@ -13,9 +13,9 @@ import pytest
 
 from fixtures.firmware_bench import Direct, image, wave_V
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.host import BoardFault, HostFirmware, Request, Settings, State
 from hysgen.firmware.link import Client, read_table, record_text
-from hysgen.firmware.wire import Command, command, payload
+from hysgen.firmware.wire import Command, Request, Settings, State, command, payload
+from hysgen_lab.firmware.host import BoardFault, HostFirmware
 from hysgen_lab.stage import Stage, StageState
 
 TS_S = 20e-6

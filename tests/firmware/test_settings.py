@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, booted, image, model, tracking
-from hysgen.firmware.binding import CONTROLLER, read_sources
-from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, Settings, State
+from hysgen.firmware import CONTROLLER, read_sources
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
+from hysgen_lab.firmware.host import HostFirmware
 
 FLOATS = [each.name for each in fields(Settings) if each.type == "float"]
 IMPOSSIBLE = [  # the limits of each field alone: test_units.py

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from hysgen.firmware.binding import CONTROLLER, read_sources
-from hysgen.firmware.image import siphash
+from hysgen.firmware import CONTROLLER, read_sources, siphash
 from hysgen.machine.native import Library, build
 from hysgen_c674x import toolchain as c674x
 from hysgen_c674x.machine import Machine

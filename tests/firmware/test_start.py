@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from fixtures.firmware_bench import REFERENCE_UM, ModelStage, image, model
-from hysgen.firmware.host import FAULTS, FirmwareStatus, HostFirmware, Request, Settings, State
+from hysgen.firmware.wire import FirmwareStatus, Request, Settings, State
+from hysgen_lab.firmware.host import FAULTS, HostFirmware
 
 
 def started(sensor: Callable[[float], float], noise_um: float = 1e-4, settings: Settings | None = None) -> HostFirmware:

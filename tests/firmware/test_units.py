@@ -12,13 +12,12 @@ import pytest
 from fixtures.firmware_bench import ModelStage, model
 from fixtures.tools import need
 from hysgen.codegen.manifest import c_files
-from hysgen.firmware import host
-from hysgen.firmware.binding import build_id, firmware_model
-from hysgen.firmware.host import HostFirmware, HostImage, Settings
-from hysgen.firmware.image import Label, Owner, decode, encode, pack, siphash
-from hysgen.firmware.wire import LinkStatus, frame, payload
+from hysgen.firmware import Label, Owner, build_id, decode, encode, firmware_model, pack, siphash
+from hysgen.firmware.wire import LinkStatus, Settings, frame, payload
 from hysgen.machine.native import Toolchain, build
 from hysgen.model.disturbances.periodic import Periodic
+from hysgen_lab.firmware import host
+from hysgen_lab.firmware.host import HostFirmware, HostImage
 from hysgen_lab.firmware.reference_models import extended
 
 FUNCTIONS = (

@@ -12,8 +12,9 @@ from fixtures.generated_models import relaxing
 from hysgen.api.code import _as_before, generate
 from hysgen.api.models import diagnose
 from hysgen.certify.certificates import certify
-from hysgen.codegen import Options, write
+from hysgen.codegen import Options
 from hysgen.codegen import generate as texts_of
+from hysgen.codegen.manifest import write
 from hysgen.diagnosis import DiagnoseSettings
 from hysgen.errors import CertificateError
 from hysgen.fitting import FitSettings, PathSize, fit, known_past, path_columns, path_model
@@ -28,7 +29,7 @@ from hysgen.model.scores import score
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
-from hysgen_lab.stage.families.plants import command
+from hysgen_lab.stage.families import command
 from hysgen_lab.stage.signals import nested_amplitudes
 from hysgen_lab.studies.bank.scenario import good
 

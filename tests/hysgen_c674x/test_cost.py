@@ -14,20 +14,18 @@ from fixtures.generated_models import diagnosed, everything, learning, smooth
 from fixtures.proof_models import texts as texts_for_proofs
 from fixtures.tools import need
 from hysgen.api.code import cost
+from hysgen.checking import Host
 from hysgen.checking.cost import cost_of_texts
-from hysgen.checking.host import Host
-from hysgen.codegen import Options, generate, write
-from hysgen.codegen.manifest import c_files
-from hysgen.codegen.operations import figures
+from hysgen.codegen import Options, generate
+from hysgen.codegen.manifest import c_files, write
+from hysgen.codegen.operations import Cycles, budget, estimated, figures, per_sample, require_budget
 from hysgen.codegen.operations.counting import Counts, Program
-from hysgen.codegen.operations.cycles import Cycles, budget, estimated, per_sample, require_budget
 from hysgen.codegen.operations.text import concatenated, parsed
 from hysgen.errors import BudgetError, HysgenError
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen_c674x import toolchain
-from hysgen_c674x.cycles import bounds
-from hysgen_c674x.footprint import footprint
+from hysgen_c674x.cycles import bounds, footprint
 
 MODELS = [load_model("appendix_a"), everything(), smooth(12), smooth(50), learning()]
 STRAIGHT = [
@@ -234,7 +232,7 @@ def test_estimates_are_called_estimates_and_measured_cycles_are_not(tmp_path: Pa
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 @pytest.mark.slow
 def test_estimate_is_within_the_stated_factor_of_the_targets_code(model: Model) -> None:
-    """Stated in hysgen.codegen.operations.cycles: 0.7 .. 1.3 times the estimate."""
+    """Stated in hysgen.codegen.operations: 0.7 .. 1.3 times the estimate."""
     need_compiler()
     texts = generate(model)
     sources = [(name, text) for name, text in c_files(texts).items() if "selftest" not in name]

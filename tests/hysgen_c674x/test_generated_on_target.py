@@ -8,12 +8,11 @@ import pytest
 
 from fixtures.c674x_compiler import need_compiler
 from fixtures.proof_models import model, texts
+from hysgen.checking import Host
 from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, compare_learning
-from hysgen.checking.host import Host
 from hysgen_c674x import toolchain
-from hysgen_c674x.cycles import bounds
+from hysgen_c674x.cycles import bounds, c_texts, cycle_bounds
 from hysgen_c674x.equality import SimulatedSide, verify_on_target
-from hysgen_c674x.footprint import c_texts, cycle_bounds
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,8 @@ import pytest
 from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import scheduled_model, scheduled_texts
 from fixtures.tools import need
-from hysgen.codegen import generate, write
-from hysgen.codegen.manifest import MANIFEST
+from hysgen.codegen import generate
+from hysgen.codegen.manifest import MANIFEST, write
 from hysgen.errors import TargetError
 from hysgen.machine.files import digest
 from hysgen_c674x import toolchain

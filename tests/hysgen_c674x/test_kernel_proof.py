@@ -11,7 +11,7 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import WRONG, changed, scheduled_model, scheduled_texts
 from fixtures.tools import library
 from hysgen.cli import main
-from hysgen.codegen import write
+from hysgen.codegen.manifest import write
 from hysgen_c674x.schedule.proof import kernel_proofs
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))

@@ -9,7 +9,7 @@ from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_packets import DATA, RETURN, Bench
 from fixtures.opcode_table import disagreements, opcode_table, write_cycles
 from hysgen.checking.symbolic.semantics import READS_DESTINATION
-from hysgen_c674x.latency import DELAY_SLOTS
+from hysgen_c674x.decode import DELAY_SLOTS
 
 # The pipeline types of SPRUFE8, written down apart from the table under test: cycles until the result can be read.
 MANUAL = {

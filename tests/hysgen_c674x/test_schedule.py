@@ -19,11 +19,10 @@ from hysgen.checking.symbolic.from_c import kernel
 from hysgen.checking.symbolic.source import KernelRefusalError, Source
 from hysgen.codegen import Options, generate
 from hysgen.errors import BuildError, TargetError
-from hysgen.firmware.binding import with_learner
+from hysgen.firmware import with_learner
 from hysgen.model.learner_settings import LearnerSettings
 from hysgen_c674x import toolchain
-from hysgen_c674x.cycles import bounds
-from hysgen_c674x.footprint import c_texts
+from hysgen_c674x.cycles import bounds, c_texts
 from hysgen_c674x.schedule import plans
 from hysgen_c674x.schedule.checker import function_packets, inspect
 from hysgen_c674x.schedule.folder import Kernels, file_text, kernels, with_kernels

@@ -12,8 +12,7 @@ from fixtures.c674x_answers import ACCESSES, ANSWERS, PATTERN, STORED, UNTOUCHED
 from fixtures.c674x_packets import DATA, Bench, index, run
 from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, READS_DESTINATION, FloatUnit, from_image, to_image
 from hysgen.errors import TargetError
-from hysgen_c674x.decode import MODELLED
-from hysgen_c674x.latency import DELAY_SLOTS
+from hysgen_c674x.decode import DELAY_SLOTS, MODELLED
 from hysgen_c674x.processor import MEMORY_BASE, RunCounts
 
 OPERATIONS = sorted([*INTEGER, *FLOAT])

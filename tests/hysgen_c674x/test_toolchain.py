@@ -11,7 +11,7 @@ import pytest
 from fixtures.c674x_compiler import firmware, need_compiler
 from fixtures.opcode_table import opcode_table
 from fixtures.tools import missing
-from hysgen.checking.proof.warnings import BASIC
+from hysgen.checking.proof.static import BASIC
 from hysgen.errors import BuildError, TargetError
 from hysgen_c674x import elf, toolchain
 

@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import diagnose
-from hysgen.machine.cache import LruCache
-from hysgen.machine.processes import in_processes, several_processes
-from hysgen.machine.threads import THREAD
+from hysgen.machine.native import LruCache
+from hysgen.machine.processes import THREAD, in_processes, several_processes
 from hysgen.record import Record
 from hysgen_lab.stage import Stage
 from hysgen_lab.stage import run as measure

@@ -16,10 +16,9 @@ import numpy as np
 import pytest
 
 from hysgen.errors import BuildError, HysgenError
-from hysgen.machine import files, kernel_build, native, processes, reproducible, threads
-from hysgen.machine.cache import LruCache
+from hysgen.machine import files, kernel_build, native, processes, reproducible
 from hysgen.machine.files import unsealed
-from hysgen.machine.native import Toolchain, build, cached_object
+from hysgen.machine.native import LruCache, Toolchain, build, cached_object
 
 # Builds
 
@@ -179,7 +178,7 @@ def test_a_data_folder_of_a_wheel_comes_before_that_of_a_checkout(
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not enforce a limit of the address space")
 def test_room_is_what_the_limit_leaves_and_nothing_of_it_is_taken() -> None:
     code = (
-        "import resource; from hysgen.errors import HysgenError; from hysgen.machine.threads import *\n"
+        "import resource; from hysgen.errors import HysgenError; from hysgen.machine.processes import *\n"
         "used = int(open('/proc/self/statm').read().split()[0]) * 4096\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 200 * 2**20,) * 2)\n"
         "print([has_room(size * 2**20) for size in (190, 210, 190)])\n"
@@ -193,7 +192,7 @@ def test_room_is_what_the_limit_leaves_and_nothing_of_it_is_taken() -> None:
     assert done.stdout.startswith(
         "[True, False, True]\nnot enough memory: the libraries of hysgen take 220 MB of address"
     )
-    assert (threads.LIBRARIES >> 20, threads.THREAD >> 20) == (384, 144)
+    assert (processes.LIBRARIES >> 20, processes.THREAD >> 20) == (384, 144)
 
 
 @pytest.mark.parametrize(
@@ -215,11 +214,11 @@ def test_threads_are_as_many_as_cores_memory_and_siblings_allow(
         def __exit__(self, *_: object) -> None:
             pass
 
-    monkeypatch.setattr(threads, "ThreadPoolExecutor", Pool)
+    monkeypatch.setattr(processes, "ThreadPoolExecutor", Pool)
     monkeypatch.setattr("os.cpu_count", lambda: cores)
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: parent)
-    monkeypatch.setattr(threads, "has_room", lambda size: size <= room * threads.THREAD)
-    assert threads.in_threads(abs, [-1, 2, -3]) == [1, 2, 3]
+    monkeypatch.setattr(processes, "has_room", lambda size: size <= room * processes.THREAD)
+    assert processes.in_threads(abs, [-1, 2, -3]) == [1, 2, 3]
     assert asked == ([expected] if expected > 1 else [])
 
 
@@ -312,7 +311,7 @@ def test_a_spectral_radius_is_a_bound_of_nine_digits() -> None:
 def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    from hysgen.machine import cache
+    cache = native
 
     def full(*_: object) -> None:
         raise HysgenError("full")

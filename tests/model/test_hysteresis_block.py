@@ -21,7 +21,7 @@ from fixtures.hysteresis_blocks import (
     words,
 )
 from fixtures.tools import need
-from hysgen.checking.proof.warnings import wall
+from hysgen.checking.proof.static import wall
 from hysgen.codegen import Options, generate
 from hysgen.machine.native import Toolchain
 from hysgen.model.path.hysteresis import Hysteresis

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.codegen import Options, generate
 from hysgen.machine.kernels.operators import lag_states, mode_states
 from hysgen.model.disturbances.periodic import Periodic

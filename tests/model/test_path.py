@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.codegen import generate
 from hysgen.errors import ModelError
 from hysgen.model.disturbances.drift import Drift

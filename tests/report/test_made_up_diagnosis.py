@@ -42,7 +42,7 @@ from hysgen.model.scores import Score
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen.record.noise import NoiseFloor
-from hysgen.report import words
+from hysgen.report import plots, words
 from hysgen.report.page import (
     TERMS,
     cost_section,
@@ -51,7 +51,6 @@ from hysgen.report.page import (
     uncertainty_section,
 )
 from hysgen.report.pages import diagnosis_page, file_names, key_figures, model_page
-from hysgen.report.plots import style
 from hysgen.uncertainty.gum import Budget, Contribution
 
 # In words
@@ -205,11 +204,11 @@ def test_equality_is_told_by_function_with_every_difference() -> None:
         ["other", "predict", "5000", "3", "equal"],
     ]  # fmt: skip
     assert equivalence_section(EQUAL).text == ["Equal in every bit over 1050 samples per build."]
-    assert equivalence_section(EQUAL).notes == ["Builds: gcc -O2, clang.", "Not compared: tcc: none."]
+    assert equivalence_section(EQUAL).notes == ["builds: gcc -O2, clang.", "NOT COMPARED: tcc: none."]
     wrong = equivalence_section(WRONG)
     assert [row[4] for row in cells(wrong)] == ["equal", "1 differ", "equal"]
     assert wrong.text == ["NOT EQUAL: 1 runs differ."]
-    assert wrong.notes[2:] == ["Altered: made_up.c.", f"Different: {MISMATCH}."]
+    assert wrong.notes[2:] == ["ALTERED: made_up.c.", f"DIFFERENT: {MISMATCH}."]
     assert list(wrong.tables[0].numbers) == [3, 4]
     assert equivalence_section(None, "no compiler").text == ["Not compared: no compiler."]
 
@@ -349,7 +348,7 @@ def test_page_of_models_has_the_scores_of_all_and_the_rest_of_the_last() -> None
     free = lines_of(drawn["free-run"].figure)
     np.testing.assert_allclose(free["b"].get_ydata(), free_run(other, record)[0].y_um)
     np.testing.assert_allclose(free["b"].get_xdata(), T_S)
-    assert (free["a"].get_color(), free["b"].get_color()) == (style.SIMULATED, style.EXTENDED)
+    assert (free["a"].get_color(), free["b"].get_color()) == (plots.SIMULATED, plots.EXTENDED)
     assert drawn["horizon"].alt == "Error rms from 1 to 10 samples ahead: a 0.02 to 0.4 µm; b 0.005 to 0.3 µm."
     provenance = dict(cells(page.sections[-1]))
     assert (provenance["command"], provenance["model"].split(",")[0]) == ("command", "other")

@@ -33,11 +33,9 @@ from hysgen.diagnosis.ladder import Gain
 from hysgen.errors import HysgenError
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
-from hysgen.report import words
+from hysgen.report import plots, words
 from hysgen.report.pages import diagnosis_page
-from hysgen.report.plots import style
-from hysgen.report.plots.diagnosis import BAR, horizon_picture, ladder_picture, profiles_picture, spectrum_picture
-from hysgen.report.plots.results import draw
+from hysgen.report.plots.results import BAR, draw, horizon_picture, ladder_picture, profiles_picture, spectrum_picture
 
 
 def test_horizon_and_spectrum_are_drawn_in_their_units() -> None:
@@ -47,7 +45,7 @@ def test_horizon_and_spectrum_are_drawn_in_their_units() -> None:
     drawn = lines_of(picture.figure)
     np.testing.assert_allclose(drawn[BASE].get_xdata(), [1.0, 10.0, 100.0])
     np.testing.assert_allclose(drawn[LABEL].get_ydata(), [0.01, 0.03, 0.1])
-    assert (drawn[BASE].get_color(), drawn[LABEL].get_color()) == (style.SIMULATED, style.EXTENDED)
+    assert (drawn[BASE].get_color(), drawn[LABEL].get_color()) == (plots.SIMULATED, plots.EXTENDED)
     assert [text.get_text() for text in axis.get_legend().get_texts()] == [BASE, LABEL]
     levels = {name: text.xy for name, text in text_of(axis).items()}
     assert levels == {"noise floor": (1.0, 0.01), "persistence, 1 step": (1.0, 0.05)}
@@ -104,12 +102,12 @@ def test_ladder_is_drawn_row_by_row_with_numbers_beside_its_frame() -> None:
     (axis,) = picture.figure.axes
     points = [line for line in axis.lines if line.get_marker() == "o"]
     assert [(line.get_xdata()[0], line.get_ydata()[0]) for line in points] == [(0.5, 0), (0.2, 1), (0.1, 2)]
-    assert [line.get_color() for line in points] == [style.SIMULATED, style.EXTENDED, style.EXTENDED]
+    assert [line.get_color() for line in points] == [plots.SIMULATED, plots.EXTENDED, plots.EXTENDED]
     bars = [line for line in axis.lines if line.get_linewidth() == BAR]
     # After the step plus the interval of its gain: 0.2 + (0.25, 0.35) and 0.1 + (-0.02, 0.15).
     assert [list(bar.get_xdata()) for bar in bars] == [pytest.approx([0.45, 0.55]), pytest.approx([0.08, 0.25])]
     assert [list(bar.get_ydata()) for bar in bars] == [[1, 1], [2, 2]]
-    steps = [line for line in axis.lines if line.get_color() == style.NOTE]
+    steps = [line for line in axis.lines if line.get_color() == plots.NOTE]
     assert [list(step.get_xdata()) for step in steps] == [[0.5, 0.2], [0.2, 0.1]]
     # From 0.6 of the noise to 1.5 times the highest end of a bar.
     assert axis.get_xlim() == pytest.approx((0.006, 0.825))
@@ -141,9 +139,9 @@ def test_labels_of_a_logarithmic_axis_are_few_over_decades_and_never_one() -> No
         (1e-4, 1e4, 3, [1e-4, 1.0, 1e4]),
         (0.061, 0.079, 9, [0.064, 0.068, 0.072, 0.076]),
     ):
-        axis = style.axes("", "")[1]
+        axis = plots.axes("", "")[1]
         axis.set(xscale="log", xlim=(low, high))
-        style.decimal_ticks_of(axis.xaxis, most)
+        plots.decimal_ticks_of(axis.xaxis, most)
         places = [place for place in axis.get_xticks() if low * 0.999 <= place <= high * 1.001]
         assert places == pytest.approx(labels), (low, high)
 
@@ -181,12 +179,12 @@ def test_top_of_a_page_says_the_main_cause_its_share_and_what_changes_the_verdic
 
 @pytest.mark.parametrize(("swing_px", "points"), [(0.2, range(100)), (3.0, range(190, 210))])
 def test_curves_of_a_page_lose_only_what_nobody_sees(swing_px: float, points: range) -> None:
-    fig = style.figure(2.0, 2.0)
+    fig = plots.figure(2.0, 2.0)
     axis = fig.add_axes((0.0, 0.0, 1.0, 1.0))
     axis.plot(np.arange(200.0), 0.5 + swing_px / 144.0 * (np.arange(200) % 2), gid="curve")
     axis.set(xlim=(0, 199), ylim=(0, 1))
     axis.axis("off")
-    path = re.search(rb'id="curve">\s*<path d="([^"]*)"', style.svg_bytes(fig))
+    path = re.search(rb'id="curve">\s*<path d="([^"]*)"', plots.svg_bytes(fig))
     assert path is not None
     assert path.group(1).count(b"L") in points
 

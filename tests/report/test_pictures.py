@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from hysgen.record import Record
 from hysgen.report.page import PageSection, PageTable
-from hysgen.report.plots.style import plain_number
+from hysgen.report.plots import plain_number
 from hysgen.report.plots.traces import (
     Simulated,
     envelope,
@@ -24,7 +24,7 @@ from hysgen.report.plots.traces import (
     time_picture,
     validation,
 )
-from hysgen_lab.studies.paper.figures import loops, tracking
+from hysgen_lab.studies.paper.results import loops, tracking
 
 TS_S = 1e-3
 T_S = TS_S * np.arange(1000)

@@ -26,8 +26,8 @@ from hysgen.model.scores import score
 from hysgen.record import Record
 from hysgen.report.page import readable, sentence, uncertainty_section
 from hysgen.report.pages import model_page
-from hysgen.report.plots.diagnosis import held_out_runs, pictures
-from hysgen.report.plots.style import data_uri, png_bytes
+from hysgen.report.plots import data_uri, png_bytes
+from hysgen.report.plots.results import held_out_runs, pictures
 from hysgen.report.plots.traces import time_picture
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.uncertainty.gum import sensor_uncertainty

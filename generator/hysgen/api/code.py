@@ -8,18 +8,17 @@ from typing import Any
 
 from hysgen import schemas
 from hysgen.api.models import Progress
-from hysgen.checking.bits import VerifySettings, verify_texts
-from hysgen.checking.bits.report import Report
+from hysgen.checking.bits import Report
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
 from hysgen.checking.cost import Cost, cost_of_texts
-from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
-from hysgen.codegen import Derived, Options, write
+from hysgen.checking.proof import CHECKS, Checked, CheckSettings, Proof, known_checks
+from hysgen.codegen import Derived, Options
 from hysgen.codegen import generate as generate_texts
-from hysgen.codegen.manifest import MANIFEST, read_folder, require_model
-from hysgen.codegen.operations.cycles import C674X, Weights
+from hysgen.codegen.manifest import MANIFEST, read_folder, require_model, write
+from hysgen.codegen.operations import C674X, Weights
 from hysgen.display import Displayed, Summary
 from hysgen.errors import HysgenError
-from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.firmware.image import Label, encode
+from hysgen.firmware import Label, encode, firmware_model, with_learner
 from hysgen.firmware.link import BAUD, Client, open_line
 from hysgen.fitting.refit import restricted_as
 from hysgen.model.file import model_of
@@ -178,7 +177,7 @@ def firmware_files(model: Model) -> Generated:
 def image(model: Model, key: bytes, label: Label | None = None) -> bytes:
     """The model's numbers as a parameter image, which running firmware takes if it is whole, right and certified.
 
-    key: the firmware's 16 bytes, not all zeros; label: device, build and counter (`hysgen.firmware.image`).
+    key: the firmware's 16 bytes, not all zeros; label: device, build and counter (`hysgen.firmware`).
     """
     return encode(model_of(model), key, label or Label())
 

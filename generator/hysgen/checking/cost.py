@@ -12,11 +12,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from hysgen.checking import Host
 from hysgen.checking.bits.functions import COMPARED_STRUCTS, chunks
-from hysgen.checking.host import Host
 from hysgen.codegen.manifest import MANIFEST
-from hysgen.codegen.operations import Counts, figures
-from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ, Cycles, Weights, budget, cycles_of, per_sample
+from hysgen.codegen.operations import C674X, CLOCK_HZ, Counts, Cycles, Weights, budget, cycles_of, figures, per_sample
 from hysgen.display import Displayed, Summary
 from hysgen.machine.native import compiler_version, default_toolchain
 from hysgen.model.model import Model

@@ -24,7 +24,7 @@ from hysgen.cli.verbs import GROUPS, NAMES, Program, check_outputs, verb
 from hysgen.display import WRITTEN_IN, written_in
 from hysgen.errors import HysgenError, nearest
 from hysgen.machine.files import version
-from hysgen.machine.threads import LIBRARIES, require_room
+from hysgen.machine.processes import LIBRARIES, require_room
 
 _DESCRIPTION = (
     "From measured voltage/displacement records of a piezo stage to verified float32 C: "

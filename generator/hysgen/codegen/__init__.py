@@ -1,35 +1,162 @@
 """C code from a model: `generate` returns the text of each file without side effects, `write` writes the files.
 
 A generated folder consists of six C files, CMakeLists.txt, an example, the model file and MANIFEST.json. The same
-model and options give the same bytes on every machine and at any time.
+model and options give the same bytes on every machine and at any time. `Derived` holds what is computed from a model
+for its C: certificates, float32 numbers, errors; each once.
 """
 
+from __future__ import annotations
+
 import dataclasses
-import json
-import re
+import functools
 from collections import defaultdict
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 
-from hysgen.codegen.derived import Derived, Options
-from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, manifest, model_file, require_model
-from hysgen.codegen.operations import Figures, figures
-from hysgen.codegen.operations.cycles import Cycles, budget, cycles_of, per_sample, require_budget
-from hysgen.codegen.parameters import Table, error_section, error_texts, numbers_digest
-from hysgen.codegen.render import context, render
+from hysgen.certify.certificates import Certificates, certify
+from hysgen.codegen.learning import commit_feature, learner_feature
+from hysgen.codegen.manifest import CMAKE, EXAMPLE, MANIFEST, in_quantities, manifest, model_file, write
+from hysgen.codegen.operations import CLOCK_HZ, Cycles, Figures, budget, cycles_of, figures, per_sample, require_budget
+from hysgen.codegen.parameters import (
+    Section,
+    Table,
+    block_sections,
+    error_section,
+    error_texts,
+    loop_sections,
+    numbers_digest,
+    range_section,
+    rule_section,
+    term_sections,
+)
+from hysgen.codegen.render import Feature, context, render
 from hysgen.codegen.selftest import HASH_FACTOR, HASH_START, chains, learning
 from hysgen.codegen.structs import alignment, interface, structs
 from hysgen.display import decimal
 from hysgen.errors import CertificateError, HysgenError, ModelError
+from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.accuracy import Accuracy, accuracy, beyond_references
-from hysgen.machine.files import digest, only_writer, write_whole
+from hysgen.machine.files import digest
 from hysgen.machine.reproducible import rounded_up
 from hysgen.model.file import dump_model
 from hysgen.model.intervals import LARGEST
 from hysgen.model.model import Model
+from hysgen.model.scores import NEXT_TO_NOTHING
+
+MOST_MOVED = 0.1
+"""Share of its range by which half the noise of the displacement may move the input that an inverse asks for."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the generated code and of its processor.
+
+    inverse: whether the inverse is generated. clock_Hz: clock of the processor.
+    cycles: measured stall-free cycles by function; the cycles of functions that are not listed are estimated.
+    budget_cycles: cycles that one sample may take; None: the sample period.
+    aligned: whether the learner is aligned to 8 bytes on the C674x, as its kernels demand.
+    forced: whether there is C of a model, and an inverse, that `Derived.require_use` refuses.
+    """
+
+    inverse: bool = True
+    clock_Hz: float = CLOCK_HZ
+    cycles: Mapping[str, int] = field(default_factory=dict)
+    budget_cycles: int | None = None
+    aligned: bool = False
+    forced: bool = False
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A model with all that is computed from it, when it is asked for the first time."""
+
+    model: Model
+
+    @classmethod
+    def of(cls, model: Model | Derived) -> Derived:
+        """The argument itself if it is derived already."""
+        return model if isinstance(model, Derived) else cls(model)
+
+    @functools.cached_property
+    def certificates(self) -> Certificates:
+        """Contraction, gain and inverse over the range of the model."""
+        return certify(self.model)
+
+    @functools.cached_property
+    def numbers(self) -> Coefficients:
+        """The float32 numbers of the C."""
+        return coefficients(self.model)
+
+    @functools.cached_property
+    def features(self) -> list[Feature]:
+        """Learner and commit of a model with learner settings, in the order of the generated text."""
+        both = (
+            learner_feature(self.model, self.numbers),
+            commit_feature(self.model, self.numbers, self.certificates) if self.model.learner else None,
+        )
+        return [feature for feature in both if feature is not None]
+
+    @functools.cached_property
+    def sections(self) -> list[Section]:
+        """The sections of `<name>_params.h` except that of the worst errors."""
+        return [
+            range_section(self.numbers, responds=self.model.responds),
+            rule_section(self.model, self.numbers),
+            *block_sections(self.model),
+            *term_sections(self.model, self.numbers),
+            *loop_sections(self.model, self.numbers),
+            *(section for feature in self.features for section in feature.sections),
+        ]
+
+    @property
+    def options(self) -> Options:
+        """The usual options: with the inverse if it is certified."""
+        return Options(inverse=self.certificates.inverse_holds)
+
+    def require_use(self, inverse: bool) -> None:
+        """Raise ModelError for a model that explains next to nothing of its record, CertificateError if noise moves the
+        inverse: noise/2 > MOST_MOVED (w_high - w_low) min |b(y)|.
+        """
+        name, known, scale = self.model.name, self.model.scores.get("identification", {}), self.certificates
+        for line in known.get("warnings", ()):
+            if NEXT_TO_NOTHING in line:
+                raise ModelError(f"{name}: {line}; record again, or give --force")
+        noise_um = 0.5 * float(known.get("noise_floor", {}).get("rms_um", 0.0))
+        gain, whole = min(abs(scale.gain_lowest.value), abs(scale.gain_highest.value)), float(np.ptp(scale.w_range))
+        if inverse and noise_um > MOST_MOVED * whole * gain:
+            raise CertificateError(
+                f"{name}: half the noise of the displacement, {noise_um:.3g} um, moves the {scale.w_name} of the "
+                f"inverse by {noise_um / (gain or 1e-300):.3g} of its {whole:.3g} {scale.w_unit}: its gain is down to "
+                f"{gain:.3g} um/{scale.w_unit}; give --no-inverse, or --force"
+            )
+
+    @property
+    def predict_only(self) -> bool:
+        """Whether the model was fitted for predictions alone (`FitSettings.rising`): then there is no inverse."""
+        return self.model.history.get("fit", {}).get("rising") is False
+
+    def require_inverse(self) -> None:
+        """Raise CertificateError, with place and value, if Eq. (11) is singular or the path has no inverse."""
+        certificates, name = self.certificates, self.model.name
+        remedy = "restrict the range (generate --displacement-range), or generate without the inverse"
+        if not certificates.gain_holds:
+            low, high = certificates.gain_lowest, certificates.gain_highest
+            unit = f"um/{certificates.w_unit}"
+            worst = low if abs(low.value) <= abs(high.value) or low.value * high.value < 0.0 else high
+            raise CertificateError(
+                f"{name}: the gain df/d{certificates.w_name} is {worst.value:.4g} {unit} at y = {worst.y_um:.4g} um "
+                f"and {high.value:.4g} {unit} at y = {high.y_um:.4g} um, so the inverse is singular or nearly so; "
+                f"{remedy}"
+            )
+        if not certificates.inverse_holds:
+            raise CertificateError(
+                f"{name}: the inverse of the path is not certified ({'; '.join(certificates.path.parts())}): a "
+                "voltage may not exist; fit the model again, or generate without the inverse"
+            )
+
 
 __all__ = ["Derived", "Options", "cost_figures", "generate", "marked_source", "tables", "write"]
 
@@ -91,24 +218,6 @@ def generate(model: Model | Derived, options: Options | None = None) -> dict[str
         "cost": _cost(model, counted, cycles, chosen.clock_Hz),
     }
     return texts | {MANIFEST: manifest(model, texts, summary)}
-
-
-NAMES_HOLD = "names that end in _um hold um, in _V V"
-"""What the identifiers of the C hold, which are the same for all quantities."""
-
-
-def in_quantities(model: Model, path: str, text: str) -> str:
-    """The text of a file in the model's quantities; in C, comments and strings. A line says what identifiers hold.
-
-    The C of one structure is the same for all quantities but for its comments, so firmware that calls it is, too.
-    """
-    stated = model.quantities
-    if not stated.other:
-        return text
-    if not path.endswith((".c", ".h")):
-        return stated.text(text)
-    text = re.sub(r'/\*.*?\*/|"[^"\n]*"', lambda part: stated.text(part[0]), text, flags=re.DOTALL)
-    return re.sub(r"\A/\*(.*?)( ?\*/)", rf"/*\1\n * Here {stated.text(NAMES_HOLD)}.\2", text, count=1, flags=re.DOTALL)
 
 
 def _require_resolution(model: Model) -> None:
@@ -184,18 +293,6 @@ def marked_source(model: Model, *, inverse: bool) -> str:
     """The text of `<name>.c` with a line for every hook of its templates (hooks.py), otherwise that of `generate`."""
     facts = _algorithm_facts(Derived(model), inverse=inverse)
     return render("source.c.j2", facts, marked=True)
-
-
-def write(texts: Mapping[str, str], folder: Path) -> None:
-    """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file.
-
-    Processes take turns. Raises HysgenError, with nothing written, if the folder holds the C of another model.
-    """
-    with only_writer(folder):
-        for place in (name for name in texts if name.endswith(MANIFEST)):
-            require_model(folder / place, json.loads(texts[place])["model"])
-        for name in sorted(texts, key=lambda name: name.endswith(MANIFEST)):
-            write_whole(folder / name, texts[name])
 
 
 def _algorithm_facts(derived: Derived, *, inverse: bool) -> dict[str, Any]:

@@ -1,13 +1,14 @@
 """MANIFEST.json: the files of a generated folder with digests, model, options, certificates, errors and cost."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from hysgen.errors import HysgenError
-from hysgen.machine.files import digest, version
+from hysgen.machine.files import digest, only_writer, version, write_whole
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 
@@ -137,3 +138,33 @@ def _first_difference(old: bytes, new: bytes) -> int:
     mine, theirs = old.split(b"\n"), new.split(b"\n")
     pairs = enumerate(zip(mine, theirs, strict=False), start=1)
     return next((number for number, (a, b) in pairs if a != b), min(len(mine), len(theirs)) + 1)
+
+
+def write(texts: Mapping[str, str], folder: Path) -> None:
+    """Write the files into `folder`, the manifest last; an interrupted write leaves no partial file.
+
+    Processes take turns. Raises HysgenError, with nothing written, if the folder holds the C of another model.
+    """
+    with only_writer(folder):
+        for place in (name for name in texts if name.endswith(MANIFEST)):
+            require_model(folder / place, json.loads(texts[place])["model"])
+        for name in sorted(texts, key=lambda name: name.endswith(MANIFEST)):
+            write_whole(folder / name, texts[name])
+
+
+NAMES_HOLD = "names that end in _um hold um, in _V V"
+"""What the identifiers of the C hold, which are the same for all quantities."""
+
+
+def in_quantities(model: Model, path: str, text: str) -> str:
+    """The text of a file in the model's quantities; in C, comments and strings. A line says what identifiers hold.
+
+    The C of one structure is the same for all quantities but for its comments, so firmware that calls it is, too.
+    """
+    stated = model.quantities
+    if not stated.other:
+        return text
+    if not path.endswith((".c", ".h")):
+        return stated.text(text)
+    text = re.sub(r'/\*.*?\*/|"[^"\n]*"', lambda part: stated.text(part[0]), text, flags=re.DOTALL)
+    return re.sub(r"\A/\*(.*?)( ?\*/)", rf"/*\1\n * Here {stated.text(NAMES_HOLD)}.\2", text, count=1, flags=re.DOTALL)

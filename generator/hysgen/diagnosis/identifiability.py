@@ -35,7 +35,7 @@ from hysgen.diagnosis.search import start
 from hysgen.display import Displayed, Summary, decimal
 from hysgen.errors import RecordError
 from hysgen.fitting import check_for_fit
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.processes import one_blas_thread
 from hysgen.model.residual import BLOCKS, dispersion
 from hysgen.record.data import Record
 from hysgen.record.noise import NoiseFloor

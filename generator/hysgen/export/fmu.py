@@ -15,8 +15,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from hysgen.codegen import NAMES_HOLD, Options
-from hysgen.codegen.manifest import c_files, read_folder
+from hysgen.codegen import Options
+from hysgen.codegen.manifest import NAMES_HOLD, c_files, read_folder
 from hysgen.codegen.parameters import literal
 from hysgen.errors import BuildError
 from hysgen.export.base import Draft, Export, Samples, Words, Written, component_facts, component_texts

@@ -12,17 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError, ModelError
-from hysgen.firmware.host import FirmwareStatus, Request, State
-from hysgen.firmware.image import ANSWERS, Label, ParameterImage, bank_of, decode, encode, pack
+from hysgen.firmware import ANSWERS, Label, ParameterImage, bank_of, decode, encode, pack
 from hysgen.firmware.wire import (
     ANSWER,
     CODES,
     PROTOCOL,
     SETTINGS_BYTES,
     Command,
+    FirmwareStatus,
     Identity,
     LinkStatus,
+    Request,
     Settings,
+    State,
     command,
     payload,
     pieces,
@@ -155,7 +157,7 @@ class Client:
         return LinkStatus.unpack(self._ask(Command.STATUS))
 
     def request(self, request: int) -> None:
-        """Ask for START, STOP, CLEAR or RECORD (`hysgen.firmware.host.Request`), which the next sample takes."""
+        """Ask for START, STOP, CLEAR or RECORD (`hysgen.firmware.wire.Request`), which the next sample takes."""
         self._ask(Command.REQUEST, bytes([request]))
 
     def reference(self, reference_um: float | None, lease: int | None = None) -> None:

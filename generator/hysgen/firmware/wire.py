@@ -13,7 +13,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import Final
 
 import numpy as np
@@ -146,7 +146,7 @@ class Identity:
     """Answer to IDENTIFY: the firmware as built.
 
     digest: of the structure that parameter images must fit. build, device, keyed: see `Label` and `Owner` of
-    `hysgen.firmware.image`. image_bytes: size of a parameter image. low_V .. high_V, low_um .. high_um: of the
+    `hysgen.firmware`. image_bytes: size of a parameter image. low_V .. high_V, low_um .. high_um: of the
     converters. record: samples that a record holds.
     """
 
@@ -214,3 +214,45 @@ def pieces(data: bytes, offset: int = 0) -> Iterator[bytes]:
 def image_frames(data: bytes, offset: int = 0) -> Iterator[bytes]:
     """The frames that send `data`, which begins at `offset` of a parameter image."""
     return (command(Command.IMAGE, number, piece) for number, piece in enumerate(pieces(data, offset)))
+
+
+State = IntEnum("State", "OFF POWER RISE LOOP HOLD APPROACH TRACK FALL TRIP TRIPPED PLAY", start=0)
+"""State of the controller (controller.h)."""
+
+
+Request = IntEnum("Request", "START STOP CLEAR RECORD")
+"""Requests to the controller (controller.h)."""
+
+
+class FirmwareStatus(IntFlag):
+    """Bits of the firmware's status word (status.h)."""
+
+    SENSOR_INVALID = 0x1
+    SENSOR_RANGE = 0x2
+    REFERENCE_INVALID = 0x4
+    REFERENCE_LIMITED = 0x8
+    REFERENCE_SLEWED = 0x10
+    OUTPUT_LIMITED = 0x20
+    OUTPUT_SLEWED = 0x40
+    AMPLIFIER_LIMITS = 0x80
+    LOOP_LIMITED = 0x100
+    DEADLINE_MISSED = 0x200
+    MODEL = 0x400
+    LEARN_SKIPPED = 0x800
+    IMAGE_REFUSED = 0x1000
+    IMAGE_FALLBACK = 0x2000
+    INTERRUPT_LOST = 0x4000
+    SENSOR_JUMP = 0x8000
+    FAULT_SELFTEST = 0x10000
+    FAULT_SENSOR = 0x20000
+    FAULT_STUCK = 0x40000
+    FAULT_FOLLOW = 0x80000
+    FAULT_AMPLIFIER = 0x100000
+    FAULT_DEADLINE = 0x200000
+    FAULT_OFFSET = 0x400000
+    FAULT_STROKE = 0x800000
+    FAULT_SETTINGS = 0x1000000
+    FAULT_TIMEOUT = 0x2000000
+    FAULT_RESET = 0x4000000
+    FAULT_EXCEPTION = 0x8000000
+    FAULT_MEMORY = 0x10000000

@@ -23,7 +23,7 @@ from hysgen.fitting.path import PathColumns, known_past, path_columns, path_mode
 from hysgen.fitting.path_regressors import PathTask
 from hysgen.fitting.refine import Progress, free_run_error, refine
 from hysgen.fitting.settings import FitSettings
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.processes import one_blas_thread
 from hysgen.model.model import Grid, Model
 from hysgen.model.regression import Starts, Structure, Trust, structure_of
 from hysgen.model.simulate import free_run

@@ -44,7 +44,7 @@ from scipy.optimize import nnls
 
 from hysgen.certify.enclosure import slope_extremum
 from hysgen.errors import FitError
-from hysgen.machine.kernels.run import rls_updates, triangularise
+from hysgen.machine.kernels import rls_updates, triangularise
 from hysgen.model.model import Model
 from hysgen.model.regression import (
     Starts,

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import RecordError
-from hysgen.machine.kernels.run import rule_rows
+from hysgen.machine.kernels import rule_rows
 from hysgen.machine.reproducible import exponential, total
 from hysgen.model.disturbances import Drive, Term
 from hysgen.model.intervals import Interval

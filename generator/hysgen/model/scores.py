@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from hysgen.display import Displayed, Summary, table
 from hysgen.errors import RecordError
-from hysgen.machine.threads import one_blas_thread
+from hysgen.machine.processes import one_blas_thread
 from hysgen.model.model import Model
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.remaining import Named, Remaining, Taken, take_out

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hysgen.errors import ModelError, RecordError
-from hysgen.machine.kernels import run
-from hysgen.machine.kernels.run import Rules
+from hysgen.machine import kernels
+from hysgen.machine.kernels import Rules
 from hysgen.model.disturbances import Drive
 from hysgen.model.part import to_plain
 from hysgen.model.path import applied
@@ -72,7 +72,7 @@ def simulate(model: Model, drive: Drive, y0_um: float) -> ModelOutput:
     u_V = np.clip(drive.u_V, model.u_min_V, model.u_max_V)
     w = applied(model.blocks, u_V, drive.Ts_s, model.w_range, drive.start, drive.aux)
     arriving = dataclasses.replace(drive, u_V=np.ascontiguousarray(w))
-    y_um, y_clamped = run.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
+    y_um, y_clamped = kernels.free_run(rules_of(model), arriving.u_V, term_output(model, arriving), y0_um)
     return ModelOutput(y_um, y_clamped, int(np.count_nonzero(u_V != drive.u_V)))
 
 
@@ -88,7 +88,7 @@ def free_run(
     runs = []
     for part in _driven(model, record, starts):
         w_um = part.w_um + (part.bias_um if follow_drift else part.bias_um[0])
-        y_um, y_clamped = run.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
+        y_um, y_clamped = kernels.free_run(rules_of(model), part.drive.u_V, w_um, float(part.segment.y_um[0]))
         runs.append(part.output(model, y_um, y_um, y_clamped))
     return tuple(runs)
 
@@ -101,7 +101,7 @@ def one_step(model: Model, record: Record, starts: Starts | None = None) -> tupl
     runs = []
     for part in _driven(model, record, starts):
         w_um = part.w_um + part.bias_um
-        y_um, y_clamped = run.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
+        y_um, y_clamped = kernels.one_step(rules_of(model), part.drive.u_V, w_um, part.segment.y_um)
         runs.append(part.output(model, y_um, part.segment.y_um, y_clamped))
     return tuple(runs)
 
@@ -139,9 +139,9 @@ def horizon_curve(
         begin = part.segment.samples - rows
         for group in (decade == value for value in np.unique(decade)):
             stride = max(1, -(-rows * int(horizons[group][-1]) // STEPS_PER_DECADE))
-            sums = run.horizon_errors(
+            sums = kernels.horizon_errors(
                 rules_of(model),
-                run.HorizonInputs(
+                kernels.HorizonInputs(
                     part.drive.u_V[begin:], part.w_um[begin:], part.bias_um[begin:], part.segment.y_um[begin:]
                 ),
                 stride,
@@ -196,7 +196,7 @@ def _driven(model: Model, record: Record, starts: Starts | None) -> Iterator[_Dr
         w_um = term_output(model, drive, steady)
         bias_um = np.zeros_like(w_um)
         if following:
-            predicted, _ = run.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
+            predicted, _ = kernels.one_step(rules_of(model), drive.u_V, w_um, segment.y_um)
             informed = dataclasses.replace(drive, innovation_um=segment.y_um - predicted)
             bias_um = term_output(model, informed, following)
         u_V = segment.u_V[past:]

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from hysgen.certify.certificates import certify, dynamics
-from hysgen.checking.bits.report import Report
+from hysgen.checking.bits import Report
 from hysgen.checking.cost import Cost
 from hysgen.codegen.render import template_environment
 from hysgen.display import WRITTEN_IN, Quantities, written_in
@@ -27,7 +27,7 @@ from hysgen.machine.processes import in_processes
 from hysgen.model.file import dump_model
 from hysgen.model.model import Model
 from hysgen.report import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, YELLOW
-from hysgen.report.plots.style import Picture, data_uri, named
+from hysgen.report.plots import Picture, data_uri, named
 from hysgen.uncertainty.simulated import Characterisation
 
 GLOSSARY = ("free run", "fit (NRMSE)", "noise floor", "price a sample", "generated C")
@@ -224,28 +224,14 @@ def equivalence_section(report: Report | None, why_not: str = "") -> PageSection
     title = "Generated C against its reference"
     if report is None:
         return PageSection(title, text=[f"Not compared: {why_not}."])
+    summary = report.summary()
     answer = (
         f"Equal in every bit over {report.samples} samples per build."
         if report.equal
         else f"NOT EQUAL: {len(report.mismatches)} runs differ."
     )
-    rows: dict[tuple[str, str], list[str]] = {}
-    for run in report.runs:
-        key = (run.model, run.function)
-        wrong = sum((m.model, m.function) == key for m in report.mismatches)
-        samples = sum(other.samples for other in report.runs if (other.model, other.function) == key)
-        rows[key] = [run.model, run.function, f"{samples}", f"{run.builds}", f"{wrong} differ" if wrong else "equal"]
-    return PageSection(
-        title,
-        text=[answer],
-        tables=[PageTable(["model", "function", "samples", "builds", "result"], list(rows.values()), left=2, right=1)],
-        notes=[
-            f"Builds: {', '.join(report.builds)}.",
-            *(f"Not compared: {reason}." for reason in report.skipped),
-            *(f"Altered: {reason}." for reason in report.altered),
-            *(f"Different: {mismatch}." for mismatch in report.mismatches),
-        ],
-    )
+    compared = PageTable(summary.header, summary.rows, left=summary.left, right=1)
+    return PageSection(title, text=[answer], tables=[compared], notes=[f"{note}." for note in summary.notes])
 
 
 def cost_section(price: Cost | None, why_not: str = "") -> PageSection:

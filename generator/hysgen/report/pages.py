@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hysgen.checking.bits import VerifySettings, verify_texts
-from hysgen.checking.bits.report import Report
+from hysgen.checking.bits import Report
+from hysgen.checking.bits.comparison import VerifySettings, verify_texts
 from hysgen.checking.cost import Cost, cost_of_texts
 from hysgen.codegen import Derived, generate
 from hysgen.diagnosis.evaluation import LADDER, Study, confidence_text, share_text
@@ -34,8 +34,8 @@ from hysgen.report.page import (
     provenance_section,
     uncertainty_section,
 )
-from hysgen.report.plots.diagnosis import pictures
-from hysgen.report.plots.style import Picture
+from hysgen.report.plots import Picture
+from hysgen.report.plots.results import pictures
 from hysgen.report.plots.traces import (
     Simulated,
     fit_percent,
@@ -45,8 +45,7 @@ from hysgen.report.plots.traces import (
     response_pictures,
     time_picture,
 )
-from hysgen.report.sketches import svg
-from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, total_price, warnings
+from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, svg, total_price, warnings
 from hysgen.uncertainty.simulated import Characterisation
 
 COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)

@@ -1,7 +1,6 @@
 """Other processors under qemu: equality of bits."""
 
-from hysgen.checking.proof.emulated_equality import EmulationSettings, equality
-from hysgen.checking.proof.emulated_program import PLATFORMS
+from hysgen.checking.proof.emulated import PLATFORMS, EmulationSettings, equality
 from hysgen.model.model import Model
 from hysgen.targets import Equality, Extent, Progress, Target, Texts
 

@@ -14,20 +14,22 @@ import numpy as np
 
 from hysgen.display import table
 from hysgen.errors import TargetError
-from hysgen.firmware.host import State
+from hysgen.firmware.wire import State
 from hysgen.model.model import Model
 from hysgen_c674x.caches import Caches, Misses
-from hysgen_c674x.firmware.simulated import (
+from hysgen_c674x.firmware.target import (
     AMPLITUDE_UM,
+    MEMORIES,
     REFERENCE_UM,
     STEP_RAD,
+    LinkedImage,
     SimulatedRun,
     compile_image,
+    link_image,
     simulate,
     static_bounds,
     virtual_stage,
 )
-from hysgen_c674x.firmware.target import MEMORIES, LinkedImage, link_image
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import AccessKind, Trace
 from hysgen_c674x.toolchain import Firmware

@@ -18,6 +18,7 @@ from hysgen.checking.symbolic.memory import WORD
 from hysgen.checking.symbolic.semantics import MASK, signed
 from hysgen_c674x.assembly import Instruction, Register
 from hysgen_c674x.decode import (
+    BRANCH_DELAY,
     Access,
     Action,
     Compute,
@@ -30,7 +31,6 @@ from hysgen_c674x.decode import (
     WriteControl,
 )
 from hysgen_c674x.elf import ProgramImage
-from hysgen_c674x.latency import BRANCH_DELAY
 from hysgen_c674x.packets import Packet, operands
 from hysgen_c674x.processor import STACK_POINTER
 

@@ -11,8 +11,7 @@ from hysgen.codegen.manifest import MANIFEST
 from hysgen.display import table
 from hysgen.errors import TargetError
 from hysgen_c674x import toolchain
-from hysgen_c674x.cycles import bounds
-from hysgen_c674x.footprint import c_texts
+from hysgen_c674x.cycles import bounds, c_texts
 from hysgen_c674x.schedule.precedence import heights
 from hysgen_c674x.schedule.selection import select
 

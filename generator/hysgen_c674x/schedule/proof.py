@@ -32,9 +32,9 @@ from hysgen.errors import BuildError
 from hysgen.model.model import Model
 from hysgen.model.structs import Word
 from hysgen_c674x import toolchain
+from hysgen_c674x.cycles import c_texts
 from hysgen_c674x.decode import Access
 from hysgen_c674x.elf import ProgramImage
-from hysgen_c674x.footprint import c_texts
 from hysgen_c674x.schedule.checker import Execution, function_packets
 
 _RESULT: Final = 4

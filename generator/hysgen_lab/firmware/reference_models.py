@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import hysgen
-from hysgen.firmware.binding import with_learner
+from hysgen.firmware import with_learner
 from hysgen.fitting import FitSettings, PathSize, fit
 from hysgen.machine.files import write_whole
 from hysgen.model.feedback import Feedback
@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 TS_S: Final = 20e-6
 SENSOR_ZERO_V: Final = 23.0
-"""Voltage at which the stage reads 0 um, the zero of Appendix A, as in hysgen_lab.studies.paper.bench."""
+"""Voltage at which the stage reads 0 um, the zero of Appendix A, as in hysgen_lab.studies.paper.experiments."""
 
 IDENTIFICATION_SEED: Final = 41
 LOW_V, HIGH_V = 22.0, 56.0

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.errors import HysgenError
-from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.firmware.host import HostFirmware, HostImage, State
-from hysgen.firmware.wire import Settings
+from hysgen.firmware import firmware_model, with_learner
+from hysgen.firmware.wire import Settings, State
 from hysgen.fitting import FitSettings
 from hysgen.model.model import Model
 from hysgen.model.path import preview
 from hysgen.model.rivals import fit_proportional
+from hysgen_lab.firmware.host import HostFirmware, HostImage
 from hysgen_lab.firmware.reference_models import (
     TS_S,
     diagnosed,

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from hysgen.machine import native
 from hysgen_lab.stage.description import Stage
-from hysgen_lab.stage.effects import Action, Period, StageError, effects, require
-from hysgen_lab.stage.effects.base import Linear
+from hysgen_lab.stage.effects import Action, Linear, Period, StageError, effects, require
 from hysgen_lab.stage.effects.memory import GRID_LOW_V, GRID_STEP_V, KIND_EVERETT, KIND_MESH, straight
 
 Floats = NDArray[np.float64]

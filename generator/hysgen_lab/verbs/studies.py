@@ -60,16 +60,16 @@ def run_experiments(arguments: argparse.Namespace, console: Console) -> int:
     results = repeat_all(console.progress)
     console.say(results.text())
     if arguments.output:
-        from hysgen.report.plots import style
-        from hysgen_lab.studies.paper.figures import modelling_figures, tracking_figure
+        from hysgen.report import plots
+        from hysgen_lab.studies.paper.results import modelling_figures, tracking_figure
 
         folder = Path(arguments.output)
         for outcome in results.modelling:
             for name, figure in modelling_figures(outcome).items():
-                console.say(f"written: {style.save(figure, folder / name)}")
+                console.say(f"written: {plots.save(figure, folder / name)}")
         for tracked in results.tracking:
             path = folder / f"section-4.3-{tracked.f_Hz:g}-hz.png"
-            console.say(f"written: {style.save(tracking_figure(tracked), path)}")
+            console.say(f"written: {plots.save(tracking_figure(tracked), path)}")
     return console.finish(results.to_json())
 
 

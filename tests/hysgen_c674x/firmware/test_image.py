@@ -13,11 +13,11 @@ import pytest
 from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import model
+from hysgen import firmware as binding
 from hysgen.cli import main
 from hysgen.cli.console import Console
 from hysgen.errors import TargetError
-from hysgen.firmware import binding
-from hysgen.firmware.binding import firmware_model, with_learner
+from hysgen.firmware import firmware_model, with_learner
 from hysgen.model.file import load_model
 from hysgen_c674x import toolchain
 from hysgen_c674x.caches import L1D_LINE, L1D_SETS, L1P_LINE, L1P_SETS, Caches, Misses
@@ -25,8 +25,7 @@ from hysgen_c674x.elf import MemorySection, ProgramImage, Symbol
 from hysgen_c674x.firmware import boot_image as booting
 from hysgen_c674x.firmware import timing
 from hysgen_c674x.firmware.boot_image import boot_image
-from hysgen_c674x.firmware.simulated import compile_image
-from hysgen_c674x.firmware.target import link_image
+from hysgen_c674x.firmware.target import compile_image, link_image
 from hysgen_c674x.firmware.timing import LEARN, LOOP, Timing, tracked
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.packets import Packet
@@ -206,7 +205,7 @@ def test_a_learner_before_the_output_is_seen(monkeypatch: pytest.MonkeyPatch) ->
     def planted(folder: str, *patterns: str) -> binding.Sources:
         return [(name, text.replace(behind, moved)) for name, text in read(folder, *patterns)]
 
-    monkeypatch.setattr("hysgen_c674x.firmware.simulated.read_sources", planted)
+    monkeypatch.setattr("hysgen_c674x.firmware.target.read_sources", planted)
     compiled = compile_image(firmware_model(model()))
     without, learning = (tracked(model(), compiled.machine(), options) for options in (LOOP, LOOP | LEARN))
     assert min(learning.delay) > max(without.delay) + 500

@@ -17,10 +17,9 @@ from fixtures.boot_rom import BootRom
 from fixtures.c674x_compiler import need_compiler
 from fixtures.firmware_bench import ModelStage, image, model, wave_V
 from hysgen.cli.main import main
-from hysgen.firmware.binding import TARGET_BOARD, build_id, firmware_model, read_sources, with_learner
-from hysgen.firmware.host import FirmwareStatus, HostFirmware, Request, State
-from hysgen.firmware.image import Label, encode
+from hysgen.firmware import TARGET_BOARD, Label, build_id, encode, firmware_model, read_sources, with_learner
 from hysgen.firmware.link import Client
+from hysgen.firmware.wire import FirmwareStatus, Request, State
 from hysgen.model.file import load_model
 from hysgen.model.learner_settings import LEARNED, LearnerSettings
 from hysgen.model.model import Model
@@ -28,6 +27,7 @@ from hysgen_c674x.firmware.boot_image import boot_image
 from hysgen_c674x.firmware.target import link_image
 from hysgen_c674x.machine import System
 from hysgen_c674x.toolchain import Firmware
+from hysgen_lab.firmware.host import HostFirmware
 from hysgen_lab.stage import Stage, StageState
 
 PERIOD = 7500

@@ -15,11 +15,11 @@ import pytest
 from fixtures.c674x_compiler import need_compiler
 from fixtures.c674x_kernels import scheduled_model
 from fixtures.firmware_bench import ModelStage, model
-from hysgen.firmware.binding import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, firmware_model, read_sources
-from hysgen.firmware.host import State
+from hysgen.firmware import CONTROLLER, EMPTY_STORE, SIMULATOR_BOARD, TARGET_BOARD, firmware_model, read_sources
+from hysgen.firmware.wire import State
 from hysgen.model.model import Model
 from hysgen_c674x import interpreter, toolchain
-from hysgen_c674x.footprint import c_texts
+from hysgen_c674x.cycles import c_texts
 from hysgen_c674x.machine import Machine
 from hysgen_c674x.processor import MEMORY_BASE, RETURN_ADDRESS, STACK_POINTER
 from hysgen_c674x.schedule.folder import kernels, with_kernels

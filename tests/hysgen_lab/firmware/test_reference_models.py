@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 
 from fixtures.c674x_compiler import need_compiler
-from hysgen.codegen import write
+from hysgen.codegen.manifest import write
 from hysgen.errors import ModelError
-from hysgen.firmware.binding import firmware_model, with_learner
-from hysgen.firmware.host import Settings
+from hysgen.firmware import firmware_model, with_learner
+from hysgen.firmware.wire import Settings
 from hysgen.model.file import load_model
-from hysgen_c674x.firmware.simulated import compile_image, simulate, static_bounds
-from hysgen_c674x.firmware.target import MEMORIES, link_image
+from hysgen_c674x.firmware.target import MEMORIES, compile_image, link_image, simulate, static_bounds
 from hysgen_lab.firmware.reference_models import firmware_models
 from hysgen_lab.firmware.tracking import controllers, diagnosed_controllers, run_controller, sensor_noise_nm
 

@@ -8,12 +8,10 @@ import pytest
 
 from fixtures.ends import Ends
 from hysgen_lab.stage import Stage, effects
-from hysgen_lab.stage.effects import Setting, StageError
-from hysgen_lab.stage.effects.base import Tolerance
+from hysgen_lab.stage.effects import Setting, StageError, Tolerance
 from hysgen_lab.stage.effects.memory import BoucWen, Curve, Density, Preisach, Relays
 from hysgen_lab.stage.families import FAMILIES
-from hysgen_lab.stage.families.base import around
-from hysgen_lab.stage.families.laws import JilesAtherton, RisingBoucWen, ThermalHysterons
+from hysgen_lab.stage.families.laws import JilesAtherton, RisingBoucWen, ThermalHysterons, around
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))
 

@@ -12,9 +12,8 @@ from scipy.integrate import dblquad
 
 from hysgen_lab.stage import Stage, StageError, run, static_loop, static_path
 from hysgen_lab.stage.effects.readings import PeriodicEffect
-from hysgen_lab.stage.families import FAMILIES, SCENARIOS, MeshPreisach, Plant, RisingBoucWen, plant, records
-from hysgen_lab.stage.families.base import Family, around, draw
-from hysgen_lab.stage.families.plants import _advanced
+from hysgen_lab.stage.families import FAMILIES, SCENARIOS, MeshPreisach, Plant, RisingBoucWen, _advanced, plant, records
+from hysgen_lab.stage.families.laws import Family, around, draw
 
 Floats = NDArray[np.float64]
 WITHOUT_RATE = tuple(name for name in FAMILIES if name != "thermal")

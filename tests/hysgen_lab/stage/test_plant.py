@@ -196,7 +196,7 @@ ECHO = """
 from dataclasses import dataclass
 from typing import ClassVar
 
-from hysgen_lab.stage.effects.base import Action, Effect, Tolerance, require_finite
+from hysgen_lab.stage.effects import Action, Effect, Tolerance, require_finite
 
 
 @dataclass(frozen=True)

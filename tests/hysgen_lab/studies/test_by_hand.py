@@ -19,10 +19,10 @@ from hysgen_lab.studies.bank.family_scenario import Sensor
 from hysgen_lab.studies.bank.judge_records import PARAMETERS, compare_parameters, limits
 from hysgen_lab.studies.bank.result import BankResult, Judgement
 from hysgen_lab.studies.bank.scenario import scenario
-from hysgen_lab.studies.endurance.excitations import excitations, persistent_excitation
-from hysgen_lab.studies.endurance.results import CASES, EnduranceResult, EnduranceTest, endurance_tests, rows
+from hysgen_lab.studies.endurance import CASES, EnduranceResult, EnduranceTest, endurance_tests, rows
+from hysgen_lab.studies.endurance.compiled_learner import excitations, persistent_excitation
 from hysgen_lab.studies.paper import learning
-from hysgen_lab.studies.paper.tracking import CASES as TRACKED
+from hysgen_lab.studies.paper.experiments import CASES as TRACKED
 from hysgen_lab.verbs.studies import tracking_table
 
 LOW, HIGH = cast(Any, Ends(0.0)), cast(Any, Ends(1.0))

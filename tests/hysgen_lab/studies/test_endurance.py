@@ -11,8 +11,7 @@ import hysgen_lab.studies.endurance.compiled_learner as compiled_learner
 from hysgen.cli import main
 from hysgen.codegen import Options, generate
 from hysgen.model.model import Model
-from hysgen_lab.studies.endurance import run
-from hysgen_lab.studies.endurance.results import CASES, EnduranceTest
+from hysgen_lab.studies.endurance import CASES, EnduranceTest, run
 from hysgen_lab.verbs import LABORATORY
 
 pytestmark = pytest.mark.slow

@@ -2,9 +2,8 @@
 
 import pytest
 
+from hysgen_lab.studies.paper.experiments import CASES, EXPERIMENTS, RepeatedExperiment, repeat, track_case
 from hysgen_lab.studies.paper.learning import DISTURBANCES, agreement, lose_gain
-from hysgen_lab.studies.paper.modelling import EXPERIMENTS, RepeatedExperiment, repeat
-from hysgen_lab.studies.paper.tracking import CASES, track_case
 
 
 @pytest.fixture(scope="module")

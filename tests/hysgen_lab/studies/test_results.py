@@ -17,10 +17,9 @@ from hysgen.report.words import price_of
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.result import BankResult, Judgement
 from hysgen_lab.studies.bank.scenario import CATEGORIES, NUMBERS, good, poor, random_levels, scenario
+from hysgen_lab.studies.paper.experiments import CASES, EXPERIMENTS, PublishedTracking, RepeatedExperiment, Tracking
 from hysgen_lab.studies.paper.learning import GainLoss, LearnerAgreement
-from hysgen_lab.studies.paper.modelling import EXPERIMENTS, RepeatedExperiment
 from hysgen_lab.studies.paper.results import PaperResults
-from hysgen_lab.studies.paper.tracking import CASES, PublishedTracking, Tracking
 
 TRACKED = Tracking(
     50.0,

@@ -1,72 +1,115 @@
 """Bit-for-bit comparison of generated C with its float32 reference, in every build that this machine can make.
 
 Results, states, status words and counters are compared as 32-bit patterns, over chains of samples of every input style,
-with every installed compiler at every level, with and without flushing denormal numbers to zero.
+with every installed compiler at every level, with and without flushing denormal numbers to zero. Here the results of a
+verification as data, JSON values and text.
 """
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Final
+import dataclasses
+import struct
+from dataclasses import dataclass
+from typing import Any
 
-from hysgen.checking.bits.comparison import compare, samples_to_compare
-from hysgen.checking.bits.report import ComparedRun, Mismatch, Report
-from hysgen.checking.host import LEVELS, compiled, host_compilers, toolchains, versions
-from hysgen.model.model import Model
+from hysgen.display import Displayed, Summary, table
 
-__all__ = ["ComparedRun", "Mismatch", "Report", "VerifySettings", "verify_texts"]
-
-DEFAULT_SAMPLES: Final = 1_000_000
+SMALLEST_NORMAL = 0x00800000
 
 
 @dataclass(frozen=True)
-class VerifySettings:
-    """Extent of a verification.
+class Mismatch:
+    """The first difference between generated C and reference in one run of one build.
 
-    samples: in each build, divided among the functions. compilers, levels: the builds; the report names a compiler that
-    is not installed.
+    word: "result", or the C path of a word of the state. got, expected: its bits. inputs: bits of the sample's
+    arguments.
     """
 
-    samples: int = DEFAULT_SAMPLES
-    seed: int = 1
-    compilers: Sequence[str] = field(default_factory=host_compilers)
-    levels: Sequence[str] = LEVELS
+    model: str
+    function: str
+    style: str
+    build: str
+    sample: int
+    word: str
+    got: int
+    expected: int
+    inputs: tuple[int, ...]
+
+    def __str__(self) -> str:
+        call = f"{self.model}_{self.function}({', '.join(_shown(bits) for bits in self.inputs)})"
+        where = f"{self.style} inputs, sample {self.sample}, {self.build}"
+        return f"{call}: {self.word} is {_shown(self.got)}, expected {_shown(self.expected)} [{where}]"
 
 
-def verify_texts(
-    model: Model,
-    texts: Mapping[str, str],
-    settings: VerifySettings | None = None,
-    progress: Callable[[float, str], None] | None = None,
-    altered: tuple[str, ...] = (),
-) -> Report:
-    """Compare generated C with the reference of its model.
+@dataclass(frozen=True)
+class ComparedRun:
+    """One function of one model under one input style: the samples compared in each of `builds` builds."""
 
-    progress: called with the fraction done and the current step. altered: files that differ from the manifest, for the
-    report. Raises BuildError if no compiler is installed or one rejects the C.
+    model: str
+    function: str
+    style: str
+    samples: int
+    builds: int
+
+
+@dataclass(frozen=True, repr=False)
+class Report(Displayed):
+    """Result of a verification.
+
+    builds: compared compilers, levels and floating-point modes. skipped: builds left out, with the reason. altered:
+    files that differ from the manifest. seconds: wall time.
     """
-    started = time.monotonic()
-    chosen = settings or VerifySettings()
-    installed, skipped = toolchains(chosen.compilers, chosen.levels)
-    if progress is not None:
-        progress(0.0, f"compiling {model.name}")
-    builds, unavailable = compiled(model.name, texts, installed)
-    planned, done = samples_to_compare(builds[0].host, chosen.samples), 0
 
-    def advance(samples: int) -> None:
-        nonlocal done
-        done += samples
-        if progress is not None:
-            progress(done / planned, f"comparing {model.name}")
+    model: str
+    builds: tuple[str, ...]
+    skipped: tuple[str, ...]
+    altered: tuple[str, ...]
+    runs: tuple[ComparedRun, ...]
+    mismatches: tuple[Mismatch, ...]
+    seconds: float
 
-    runs: list[ComparedRun] = []
-    mismatches: list[Mismatch] = []
-    for run, wrong in compare(model, builds, chosen.samples, chosen.seed, advance):
-        runs.append(run)
-        mismatches.extend(wrong)
-    skipped = list(dict.fromkeys([*skipped, *unavailable]))
-    seconds = time.monotonic() - started
-    labels = (*versions(installed), "with and without flush to zero" if not any("flush" in s for s in skipped) else "")
-    return Report(
-        model.name, tuple(filter(None, labels)), tuple(skipped), altered, tuple(runs), tuple(mismatches), seconds
-    )
+    @property
+    def equal(self) -> bool:
+        """Whether every compared bit is equal and every file is as in the manifest."""
+        return not self.mismatches and not self.altered and bool(self.runs)
+
+    @property
+    def samples(self) -> int:
+        """Samples per build of the model's step functions; init, self-test and commit do not count."""
+        steps = (
+            run for run in self.runs if run.model == self.model and run.function not in ("init", "selftest", "commit")
+        )
+        return sum(run.samples for run in steps)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        return dataclasses.asdict(self) | {"equal": self.equal, "samples": self.samples}
+
+    def summary(self) -> Summary:
+        """One row per function and model; notes name skipped builds, altered files and differences."""
+        rows = []
+        keys = dict.fromkeys((run.model, run.function) for run in self.runs)
+        for model, function in keys:
+            runs = [run for run in self.runs if (run.model, run.function) == (model, function)]
+            wrong = len({m.build for m in self.mismatches if (m.model, m.function) == (model, function)})
+            total, builds = sum(run.samples for run in runs), max(run.builds for run in runs)
+            rows.append([model, function, f"{total}", f"{builds}", f"{wrong} differ" if wrong else "equal"])
+        verdict = "equal in every bit" if self.equal else "NOT EQUAL"
+        notes = [
+            f"builds: {', '.join(self.builds)}",
+            *(f"NOT COMPARED: {reason}" for reason in self.skipped),
+            *(f"ALTERED: {reason}" for reason in self.altered),
+            *(f"DIFFERENT: {mismatch}" for mismatch in self.mismatches),
+        ]
+        title = f"{self.model}: {verdict} over {self.samples} samples per build"
+        return Summary(title, ["model", "function", "samples", "builds", "result"], rows, notes, left=2)
+
+    def lines(self) -> list[str]:
+        """The report as text; the verdict is the last line."""
+        summary = self.summary()
+        text = table(summary.header, summary.rows, summary.left)
+        return [text, *summary.notes, f"{summary.title}, {self.seconds:.1f} s"]
+
+
+def _shown(bits: int) -> str:
+    """The pattern and its value as a float, or as an integer if the float would be denormal: counters, status words."""
+    value = struct.unpack("<f", struct.pack("<I", bits))[0] if bits >= SMALLEST_NORMAL else bits
+    return f"0x{bits:08x} ({value:.9g})"

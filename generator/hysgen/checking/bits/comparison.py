@@ -1,14 +1,17 @@
 """Comparison of generated C with its reference: one model, every function, every input style, every build."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.certify.certificates import certify
+from hysgen.checking import LEVELS, Build, Host, compiled, host_compilers, toolchains, versions
+from hysgen.checking.bits import ComparedRun, Mismatch, Report
 from hysgen.checking.bits.functions import (
     COMPARED_STRUCTS,
     LEARNER,
@@ -24,8 +27,6 @@ from hysgen.checking.bits.functions import (
     chunks,
     first_difference,
 )
-from hysgen.checking.bits.report import ComparedRun, Mismatch
-from hysgen.checking.host import Build, Host
 from hysgen.float32.coefficients import MOST_DENSE_RULES, commit_numbers
 from hysgen.float32.reference.commit import Committer
 from hysgen.float32.reference.instance import Instance
@@ -223,27 +224,33 @@ def tasks(host: Host) -> list[Task]:
 
 
 def compare(
-    model: Model, builds: Sequence[Build], samples: int, seed: int, progress: Progress
-) -> Iterator[tuple[ComparedRun, list[Mismatch]]]:
-    """Self-test, commit and every task: the run, and the first difference of each build that differs.
-
-    samples: divided among the functions and their styles; those of SETUP get START_SAMPLES per style in addition.
+    model: Model,
+    builds: Sequence[Build],
+    planned: Sequence[tuple[Task, int]],
+    seed: int,
+    progress: Callable[[float], None],
+    *,
+    commit: bool = False,
+) -> tuple[tuple[ComparedRun, ...], tuple[Mismatch, ...]]:
+    """Runs of the self-test, with `commit` of commits, and of every task with its samples; the first difference of each
+    build that differs. progress: called with the share of the samples that is done.
     """
-    if builds[0].host.selftested:
-        yield compare_selftest(model, builds)
-    if builds[0].host.commits:
-        yield compare_commit(model, builds, seed)
-    for task, share in _shares(builds[0].host, samples):
-        yield compare_task(model, builds, task, share, seed, progress)
+    total, done = sum(samples for _, samples in planned), 0
+
+    def advance(samples: int) -> None:
+        nonlocal done
+        done += samples
+        progress(min(1.0, done / total))
+
+    results = [compare_selftest(model, builds)] if builds[0].host.selftested else []
+    results += [compare_commit(model, builds, seed)] if commit and builds[0].host.commits else []
+    results += [compare_task(model, builds, task, samples, seed, advance) for task, samples in planned]
+    return tuple(run for run, _ in results), tuple(wrong for _, differ in results for wrong in differ)
 
 
-def samples_to_compare(host: Host, samples: int) -> int:
-    """Samples of all tasks of `compare`: more than `samples`, by those of SETUP and by rounding."""
-    return sum(share for _, share in _shares(host, samples))
-
-
-def _shares(host: Host, samples: int) -> list[tuple[Task, int]]:
-    """Every task with its samples."""
+def shares(host: Host, samples: int) -> list[tuple[Task, int]]:
+    """Every task with its samples: divided among functions and styles; in addition, START_SAMPLES for those of SETUP
+    per style."""
     todo = tasks(host)
     functions = len({task.function for task in todo} - SETUP)
     return [
@@ -320,3 +327,45 @@ def _mismatch(
         expected=difference.expected,
         inputs=tuple(int(column[difference.sample]) for column in columns),
     )
+
+
+DEFAULT_SAMPLES: Final = 1_000_000
+
+
+@dataclass(frozen=True)
+class VerifySettings:
+    """Extent of a verification.
+
+    samples: in each build, divided among the functions. compilers, levels: the builds; the report names a compiler that
+    is not installed.
+    """
+
+    samples: int = DEFAULT_SAMPLES
+    seed: int = 1
+    compilers: Sequence[str] = field(default_factory=host_compilers)
+    levels: Sequence[str] = LEVELS
+
+
+def verify_texts(
+    model: Model,
+    texts: Mapping[str, str],
+    settings: VerifySettings | None = None,
+    progress: Callable[[float, str], None] | None = None,
+    altered: tuple[str, ...] = (),
+) -> Report:
+    """Compare generated C with the reference of its model.
+
+    progress: called with the fraction done and the current step. altered: files that differ from the manifest, for the
+    report. Raises BuildError if no compiler is installed or one rejects the C.
+    """
+    started = time.monotonic()
+    chosen, report = settings or VerifySettings(), progress or (lambda fraction, step: None)
+    installed, skipped = toolchains(chosen.compilers, chosen.levels)
+    report(0.0, f"compiling {model.name}")
+    builds, unavailable = compiled(model.name, texts, installed)
+    planned, comparing = shares(builds[0].host, chosen.samples), f"comparing {model.name}"
+    compared = compare(model, builds, planned, chosen.seed, lambda done: report(done, comparing), commit=True)
+    skipped = list(dict.fromkeys([*skipped, *unavailable]))
+    labels = (*versions(installed), "with and without flush to zero" if not any("flush" in s for s in skipped) else "")
+    seconds = time.monotonic() - started
+    return Report(model.name, tuple(filter(None, labels)), tuple(skipped), altered, *compared, seconds)

@@ -15,7 +15,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.host import Host
+from hysgen.checking import Host
 from hysgen.float32.coefficients import Coefficients, coefficients
 from hysgen.float32.reference.instance import Instance
 from hysgen.float32.reference.learner import Learner

@@ -15,8 +15,8 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from hysgen.checking import Host
 from hysgen.checking.bits.functions import LEARNER, MODEL, CallTrace, Lanes, first_difference, weaker_stage
-from hysgen.checking.host import Host
 from hysgen.float32.struct_words import Commit
 from hysgen.model.model import Model
 

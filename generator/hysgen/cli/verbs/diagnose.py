@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hysgen.api.code import cost, generate, verify
 from hysgen.api.models import diagnose, next_experiment, scored_extension
-from hysgen.checking.host import LEVELS, host_compilers, toolchains
+from hysgen.checking import LEVELS, host_compilers, toolchains
 from hysgen.cli.console import Console, command_line
 from hysgen.cli.options import add_predict_only, add_record_options, parse_rows, read_records
 from hysgen.cli.verbs import Output, Verb, check_file, check_files
@@ -99,12 +99,12 @@ def run_diagnose(arguments: argparse.Namespace, console: Console) -> int:
 
 def write_pictures(study: Study, folder: Path, force: bool) -> list[Path]:
     """Write every picture of the diagnosis as PNG. Returns their paths."""
-    from hysgen.report.plots import style
-    from hysgen.report.plots.diagnosis import pictures
+    from hysgen.report import plots
+    from hysgen.report.plots.results import pictures
 
     drawn = pictures(study)
     check_files(folder, [f"{picture.name}.png" for picture in drawn], "--plots", force)
-    return [style.save(picture.figure, folder / f"{picture.name}.png") for picture in drawn]
+    return [plots.save(picture.figure, folder / f"{picture.name}.png") for picture in drawn]
 
 
 EXAMPLES = (

@@ -13,11 +13,9 @@ from hysgen.cli.verbs import Output, Verb, check_files
 from hysgen.cli.verbs.generate import add_kernels, usable_model
 from hysgen.display import table
 from hysgen.errors import BuildError, ModelError
-from hysgen.firmware.binding import build_id, firmware_model, structure_digest, with_learner
-from hysgen.firmware.host import FirmwareStatus, Request, State
-from hysgen.firmware.image import Label, encode, read_key
+from hysgen.firmware import Label, build_id, encode, firmware_model, read_key, structure_digest, with_learner
 from hysgen.firmware.link import BAUD, Client, kept_text, open_line, read_kept, read_table, record_text
-from hysgen.firmware.wire import LinkStatus
+from hysgen.firmware.wire import FirmwareStatus, LinkStatus, Request, State
 from hysgen.machine.files import write_whole
 from hysgen.model.file import load_model
 from hysgen.targets import named, targets

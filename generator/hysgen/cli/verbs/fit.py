@@ -214,12 +214,12 @@ def run_score(arguments: argparse.Namespace, console: Console) -> int:
         _write_page(arguments.report, console, record, {model.name: model}, {model.name: scores}, others_fitted)
     if arguments.plot:
         # matplotlib takes half a second to import.
-        from hysgen.report.plots import style
+        from hysgen.report import plots
         from hysgen.report.plots.traces import validation
 
         runs = {"free run": free_run(model, record)[0].y_um, "one step": one_step(model, record)[0].y_um}
-        colours = {"free run": style.SIMULATED, "one step": style.BASELINE}
-        style.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
+        colours = {"free run": plots.SIMULATED, "one step": plots.BASELINE}
+        plots.save(validation(record, runs, f"{model.name} on {record.source}", colours), Path(arguments.plot))
         console.say(f"\nwritten: {arguments.plot}")
     return console.finish(result)
 

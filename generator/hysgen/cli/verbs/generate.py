@@ -15,11 +15,10 @@ from hysgen.cli.options import add_folder, add_learner_options, add_model, with_
 from hysgen.cli.verbs import Output, Verb, check_files
 from hysgen.codegen import Derived, Options
 from hysgen.codegen.manifest import MANIFEST, read_folder, stale
-from hysgen.codegen.operations.cycles import C674X, CLOCK_HZ
+from hysgen.codegen.operations import C674X, CLOCK_HZ
 from hysgen.display import table
 from hysgen.errors import HysgenError
-from hysgen.export import export_of, exports, write_export
-from hysgen.export.check import compare
+from hysgen.export import compare, export_of, exports, write_export
 from hysgen.model.file import load_model
 from hysgen.model.model import Model
 from hysgen.targets import Target, TargetCost, named, target, targets
@@ -32,8 +31,6 @@ some are stale, which are then listed.
 """
 COST_HELP = """\
 State what generated C costs: operations by kind, bytes, cycles against the sample period, host time.
-
-With --budget, cycles, code, stack and data on the target are compared with a file; more than 2 % above it is an error.
 """
 
 

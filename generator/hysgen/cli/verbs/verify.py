@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from hysgen.api.code import Generated, prove, verify
-from hysgen.checking.bits import DEFAULT_SAMPLES
+from hysgen.checking.bits.comparison import DEFAULT_SAMPLES
 from hysgen.checking.bits.functions import LEARNING_SHARE
-from hysgen.checking.proof.checks import CHECKS, Checked, CheckSettings, Proof, known_checks
-from hysgen.checking.proof.emulated_program import PLATFORMS
+from hysgen.checking.proof import CHECKS, Checked, CheckSettings, Proof, known_checks
+from hysgen.checking.proof.emulated import PLATFORMS
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_folder
 from hysgen.cli.verbs import Verb

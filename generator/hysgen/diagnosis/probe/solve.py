@@ -42,8 +42,8 @@ from scipy.optimize import minimize
 
 from hysgen.diagnosis.probe.chain import Chain
 from hysgen.diagnosis.probe.scene import Scene
+from hysgen.machine.kernels import innovation_gains, innovations
 from hysgen.machine.kernels.operators import lag_states
-from hysgen.machine.kernels.run import innovation_gains, innovations
 from hysgen.model.residual import BLOCKS, block_edges
 
 Floats = NDArray[np.float64]

@@ -18,8 +18,8 @@ from scipy.signal import csd
 from hysgen.diagnosis.evaluation import Study
 from hysgen.model.simulate import HorizonCurve
 from hysgen.record import Record
-from hysgen.report.plots import style
-from hysgen.report.plots.style import Picture
+from hysgen.report import plots
+from hysgen.report.plots import Picture
 
 Floats = NDArray[np.float64]
 MOST_POINTS = 20_000
@@ -35,10 +35,10 @@ def validation(record: Record, simulated_um: Mapping[str, Floats], title: str, c
     segment = record.segments[0]
     measured_um, t_s = segment.y_um, segment.start_s + record.Ts_s * np.arange(segment.samples, dtype=np.float64)
     count = len(simulated_um)
-    fig = style.figure(7.2, 3.2 + 1.4 * count)
+    fig = plots.figure(7.2, 3.2 + 1.4 * count)
     above, *others = fig.subplots(1 + count, 1, sharex=True, height_ratios=[2.0] + [1.0] * count)
     keep = thinned(t_s.size)
-    above.plot(t_s[keep], measured_um[keep], color=style.MEASURED, label="measured")
+    above.plot(t_s[keep], measured_um[keep], color=plots.MEASURED, label="measured")
     for below, (name, y_um) in zip(others, simulated_um.items(), strict=True):
         above.plot(t_s[keep], y_um[keep], color=colours[name], linestyle="--")
         error_um = y_um - measured_um
@@ -59,14 +59,14 @@ def horizon(
     lines: Mapping[str, Mapping[str, Any]],
 ) -> Picture:
     """Error rms against the horizon, both axes logarithmic, with a horizontal line for each of `levels_um`."""
-    fig, axis = style.axes("horizon [ms]", "error rms [µm]")
+    fig, axis = plots.axes("horizon [ms]", "error rms [µm]")
     for name, curve in curves.items():
         steps = np.array(curve.steps, dtype=np.float64)
         axis.loglog(steps * Ts_s * 1e3, curve.rms_um, marker=".", label=name, **lines[name])
     for name, level_um in levels_um.items():
-        style.level(axis, level_um, name)
-    style.decimal_ticks(axis)
-    style.legend_above(axis)
+        plots.level(axis, level_um, name)
+    plots.decimal_ticks(axis)
+    plots.legend_above(axis)
     ends = "; ".join(f"{name} {curve.rms_um[0]:.2g} to {curve.rms_um[-1]:.2g} µm" for name, curve in curves.items())
     last = max(curve.steps[-1] for curve in curves.values())
     return Picture("horizon", "Error against the horizon", f"Error rms from 1 to {last} samples ahead: {ends}.", fig)
@@ -102,14 +102,14 @@ def record_picture(study: Study) -> Picture:
     """Voltage and displacement of the whole record, and where it was cut."""
     record = study.record
     time_s, cut_s = record.Ts_s * np.arange(record.samples, dtype=np.float64), study.cut * record.Ts_s
-    fig = style.figure(*style.WIDE_IN)
+    fig = plots.figure(*plots.WIDE_IN)
     above, below = fig.subplots(2, 1, sharex=True)
-    above.plot(*envelope(time_s, record.u_V), color=style.BASELINE, linewidth=style.THIN)
-    below.plot(*envelope(time_s, record.y_um), color=style.MEASURED, linewidth=style.THIN)
+    above.plot(*envelope(time_s, record.u_V), color=plots.BASELINE, linewidth=plots.THIN)
+    below.plot(*envelope(time_s, record.y_um), color=plots.MEASURED, linewidth=plots.THIN)
     for axis in (above, below):
-        axis.axvline(cut_s, color=style.NOTE, linestyle="--")
+        axis.axvline(cut_s, color=plots.NOTE, linestyle="--")
     for text, aside, side in (("identified", -4, "right"), ("held out", 4, "left")):
-        style.note(above, text, (cut_s, 1.0), ("data", "axes fraction"), side, aside)
+        plots.note(above, text, (cut_s, 1.0), ("data", "axes fraction"), side, aside)
     above.set(ylabel="voltage [V]")
     time_label = "time [s]" if len(record.segments) == 1 else "time [s], segments end to end"
     below.set(xlabel=time_label, ylabel="displacement [µm]", xlim=(0.0, float(time_s[-1])))
@@ -132,7 +132,7 @@ ZOOM = 0.06
 
 LEAST_COHERENCE = 0.8
 
-MEASURED: dict[str, Any] = {"color": style.BEHIND, "linewidth": 2.2}
+MEASURED: dict[str, Any] = {"color": plots.BEHIND, "linewidth": 2.2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,14 +177,14 @@ def free_run_pictures(shown: Simulated) -> list[Picture]:
         ("free-run", "Free run", slice(None), f"Free run over {shown.t_s.size} samples; fit (NRMSE): {fits}."),
         ("zoom", f"Zoom on the largest error: {name}", part, where),
     ):
-        fig, axis = style.axes("time [s]", "displacement [µm]")
+        fig, axis = plots.axes("time [s]", "displacement [µm]")
         axis.plot(*envelope(shown.t_s[rows], shown.measured_um[rows]), label="measured", **MEASURED)
         for label, y_um in shown.runs.items():
             axis.plot(*envelope(shown.t_s[rows], y_um[rows]), label=label, **shown.lines[label])
         axis.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        style.legend_above(axis)
+        plots.legend_above(axis)
         pictures.append(Picture(key, title, alt, fig))
-    pictures[0].figure.axes[0].axvspan(shown.t_s[part][0], shown.t_s[part][-1], color=style.NOTE, alpha=0.25)
+    pictures[0].figure.axes[0].axvspan(shown.t_s[part][0], shown.t_s[part][-1], color=plots.NOTE, alpha=0.25)
     return pictures
 
 
@@ -193,10 +193,10 @@ def loop_pictures(shown: Simulated) -> list[Picture]:
     stride = max(1, -(-shown.u_V.size // LOOP_POINTS))
     pictures = []
     for number, (label, y_um) in enumerate(shown.runs.items(), start=1):
-        fig, axis = style.axes("voltage [V]", "displacement [µm]")
+        fig, axis = plots.axes("voltage [V]", "displacement [µm]")
         axis.plot(shown.u_V[::stride], shown.measured_um[::stride], label="measured", **MEASURED)
         axis.plot(shown.u_V[::stride], y_um[::stride], label=label, **shown.lines[label])
-        style.legend_above(axis)
+        plots.legend_above(axis)
         alt = f"Displacement over voltage: {label} misses the measured loops by {shown.rms_um(label):.3g} µm rms."
         pictures.append(Picture(f"loops-{number}", f"Loops: {label}", alt, fig))
     return pictures
@@ -204,16 +204,16 @@ def loop_pictures(shown: Simulated) -> list[Picture]:
 
 def time_picture(shown: Simulated) -> Picture:
     """The error against time. Each model has an axis of its own: on one axis, the smaller error is flat."""
-    fig = style.figure(style.HALF_IN[0], style.HALF_IN[1] * max(1.0, 0.35 * len(shown.runs)))
+    fig = plots.figure(plots.HALF_IN[0], plots.HALF_IN[1] * max(1.0, 0.35 * len(shown.runs)))
     panels = fig.subplots(len(shown.runs), 1, sharex=True, squeeze=False)[:, 0]
     for axis, label in zip(panels, shown.runs, strict=True):
         axis.plot(
             *envelope(shown.t_s, shown.error_um(label)),
-            linewidth=style.THIN,
+            linewidth=plots.THIN,
             label=label,
             color=shown.lines[label]["color"],
         )
-        style.legend_above(axis)
+        plots.legend_above(axis)
     fig.supylabel("simulated - measured [µm]", fontsize="medium")
     panels[-1].set_xlabel("time [s]")
     worst = "; ".join(f"{label} at most {float(np.abs(shown.error_um(label)).max()):.3g} µm" for label in shown.runs)
@@ -227,8 +227,8 @@ def response_pictures(shown: Simulated) -> list[Picture]:
     coherent = np.abs(uy) ** 2 > LEAST_COHERENCE * uu * yy
     coherent[0] = False
     at_Hz = f_Hz[coherent]
-    gain, gains = style.axes("frequency [Hz]", "gain [µm/V]")
-    phase, phases = style.axes("frequency [Hz]", "phase [degrees]")
+    gain, gains = plots.axes("frequency [Hz]", "gain [µm/V]")
+    phase, phases = plots.axes("frequency [Hz]", "phase [degrees]")
     remarks: dict[str, list[str]] = {"gain": [], "phase": []}
     for name, y_um in {"measured": shown.measured_um, **shown.runs}.items():
         _, (power, _, cross) = spectra(Ts_s, shown.u_V, y_um)
@@ -241,9 +241,9 @@ def response_pictures(shown: Simulated) -> list[Picture]:
             remarks["gain"].append(f"{name} {abs(response[0]):.3g} to {abs(response[-1]):.3g} µm/V")
             remarks["phase"].append(f"{name} {turned[0]:.0f} to {turned[-1]:.0f} degrees")
     for axis in (gains, phases):
-        style.decimal_ticks_of(axis.xaxis)
-        style.legend_above(axis)
-    style.decimal_ticks_of(gains.yaxis)
+        plots.decimal_ticks_of(axis.xaxis)
+        plots.legend_above(axis)
+    plots.decimal_ticks_of(gains.yaxis)
     span = f"from {at_Hz[0]:.3g} to {at_Hz[-1]:.3g} Hz" if at_Hz.size else f"nowhere above {LEAST_COHERENCE:g} coherent"
     return [
         Picture("gain", "Gain against frequency", f"Gain {span}: {'; '.join(remarks['gain'])}.", gain),

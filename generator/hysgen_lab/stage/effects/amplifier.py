@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen_lab.stage.effects.base import (
+from hysgen_lab.stage.effects import (
     Action,
     Constants,
     Effect,

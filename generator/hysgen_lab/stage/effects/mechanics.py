@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import exp1
 
-from hysgen_lab.stage.effects.base import (
+from hysgen_lab.stage.effects import (
     Action,
     Constants,
     Effect,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen_lab.stage.effects.base import Effect, StageError, require, require_finite
+from hysgen_lab.stage.effects import Effect, StageError, require, require_finite
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from hysgen_lab.stage.effects.base import Action, Constants, Effect, Period, Setting, Tolerance, require, require_finite
+from hysgen_lab.stage.effects import Action, Constants, Effect, Period, Setting, Tolerance, require, require_finite
 
 CORNERS_HZ = 10.0 ** np.arange(-3, 5)  # corner frequencies of relaxations whose sum is 1/f between them
 

@@ -27,9 +27,8 @@ from hysgen_lab.stage.effects.amplifier import GainStepEffect
 from hysgen_lab.stage.effects.mechanics import StickSlipEffect
 from hysgen_lab.stage.effects.memory import Hysteresis, draw_curve
 from hysgen_lab.stage.effects.readings import ChirpEffect, JumpsEffect
-from hysgen_lab.stage.families import FAMILIES, ThermalHysterons
-from hysgen_lab.stage.families.base import draw
-from hysgen_lab.stage.families.plants import command
+from hysgen_lab.stage.families import FAMILIES, command
+from hysgen_lab.stage.families.laws import ThermalHysterons, draw
 from hysgen_lab.studies.bank.scenario import (
     ACCEPTED,
     DRAWN,

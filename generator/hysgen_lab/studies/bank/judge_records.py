@@ -34,8 +34,7 @@ from hysgen_lab.stage.effects.memory import Hysteresis
 from hysgen_lab.studies.bank.family_scenario import family_scenario
 from hysgen_lab.studies.bank.log import JudgementLog, read_log
 from hysgen_lab.studies.bank.result import BankResult, Judgement
-from hysgen_lab.studies.bank.scenario import CATEGORIES, OWN, Scenario, memory_only, scenario
-from hysgen_lab.studies.bank.truth import error_with_truth_known
+from hysgen_lab.studies.bank.scenario import CATEGORIES, OWN, Scenario, error_with_truth_known, memory_only, scenario
 
 RECORDS, QUIET = 200, 100
 """Number of records, and of records with nothing hidden, that the limits of the rates are stated for."""

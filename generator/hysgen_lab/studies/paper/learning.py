@@ -20,10 +20,16 @@ from hysgen.model.scores import score
 from hysgen.model.simulate import free_run
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
-from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner
-from hysgen_lab.studies.endurance.excitations import Excitation, persistent_excitation
-from hysgen_lab.studies.paper.bench import IDENTIFICATION_SEED, TS_S, VALIDATION_SEED, bench_stage, identify, measure
-from hysgen_lab.studies.paper.modelling import Experiment
+from hysgen_lab.studies.endurance.compiled_learner import CompiledLearner, Excitation, persistent_excitation
+from hysgen_lab.studies.paper.experiments import (
+    IDENTIFICATION_SEED,
+    TS_S,
+    VALIDATION_SEED,
+    Experiment,
+    bench_stage,
+    identify,
+    measure,
+)
 
 Floats = NDArray[np.float64]
 

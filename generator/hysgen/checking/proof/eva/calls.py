@@ -26,6 +26,7 @@ from hysgen.checking.proof.eva.frama import (
     Verdict,
     analyse,
     beyond_contract,
+    hooked,
     parameters,
     update_cases,
     update_contracts,
@@ -47,7 +48,6 @@ from hysgen.checking.proof.eva.states import (
     signs,
     splits,
 )
-from hysgen.checking.proof.sources import hooked
 from hysgen.codegen.render import render
 from hysgen.codegen.structs import interface_of
 from hysgen.float32.coefficients import coefficients, commit_numbers

@@ -9,6 +9,7 @@ is analysed once, from any bits the learner may hold, which shows two things: wh
 answers 0 only if every parameter that it leaves is finite and inside its limit.
 """
 
+import difflib
 import re
 import shutil
 import subprocess
@@ -18,10 +19,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Literal
 
-from hysgen.checking.proof.sources import folder_of, hook_names
-from hysgen.codegen.render import render
+from hysgen.checking.proof.static import folder_of
+from hysgen.codegen import marked_source
+from hysgen.codegen.render import HOOK, render
 from hysgen.codegen.structs import interface_of
-from hysgen.errors import BuildError
+from hysgen.errors import BuildError, ModelError
 from hysgen.float32.struct_words import LearnerWords
 from hysgen.model.model import Model
 
@@ -227,3 +229,60 @@ def _whole(name: str, texts: Mapping[str, str], field: str) -> str:
     """All words of a field of the learner, as ACSL."""
     paths = [word.path for word in interface_of(name, texts).struct(f"{name}_learner_t").words()]
     return field if field in paths else f"{field}[0..{sum(path.startswith(f'{field}[') for path in paths) - 1}]"
+
+
+@dataclass(frozen=True)
+class _Hooks:
+    """The hooks of the templates of `<name>.c`: lines of the C, and (number of lines before it, name) of each hook."""
+
+    lines: list[str]
+    places: list[tuple[int, str]]
+
+
+def hooked(model: Model, texts: Mapping[str, str], lines: Mapping[str, Sequence[str]]) -> str:
+    """`<name>.c` of generated `texts` with `lines` inserted at the hooks that bear their names.
+
+    The templates give the places. In a text that has changed since its generation, for example without a guard, a hook
+    is found by an unchanged line before or behind it. Raises ModelError if both lines have changed.
+    """
+    source = texts[f"{model.name}.c"].splitlines(keepends=True)
+    hooks = _hooks(model, texts)
+    moved = _same_lines(hooks.lines, source)
+    parts: list[str] = []
+    start = 0
+    for place, name in hooks.places:
+        if name not in lines:
+            continue
+        if place - 1 in moved:
+            end = moved[place - 1] + 1
+        elif place in moved:
+            end = moved[place]
+        else:
+            raise ModelError(f"{model.name}: the lines at the hook `{name}` are not those of the templates")
+        parts += [*source[start:end], *(f"{line}\n" for line in lines[name])]
+        start = end
+    return "".join([*parts, *source[start:]])
+
+
+def hook_names(model: Model, texts: Mapping[str, str]) -> list[str]:
+    """Names of the hooks in the templates of `<name>.c`, in the order of the text."""
+    return [name for _, name in _hooks(model, texts).places]
+
+
+def _hooks(model: Model, texts: Mapping[str, str]) -> _Hooks:
+    hooks = _Hooks([], [])
+    inverse = interface_of(model.name, texts).has("inverse")
+    for line in marked_source(model, inverse=inverse).splitlines(keepends=True):
+        if line.startswith(HOOK):
+            hooks.places.append((len(hooks.lines), line.removeprefix(HOOK).rstrip("\n")))
+        else:
+            hooks.lines.append(line)
+    return hooks
+
+
+def _same_lines(one: Sequence[str], other: Sequence[str]) -> dict[int, int]:
+    """Index in `other` of the lines of `one` that are the same there."""
+    if one == other:
+        return {i: i for i in range(len(one))}
+    blocks = difflib.SequenceMatcher(None, one, other, autojunk=False).get_matching_blocks()
+    return {block.a + i: block.b + i for block in blocks for i in range(block.size)}

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from enum import IntEnum, IntFlag
-from typing import Any, Final, Protocol
+from enum import IntEnum
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.operations.text import preprocessed
 from hysgen.codegen.structs import interface_of
-from hysgen.firmware.binding import CONTROLLER, HOST_BOARD, read_sources, typedefs
-from hysgen.firmware.image import Owner
-from hysgen.firmware.wire import SETTINGS_BYTES, Settings, image_frames
+from hysgen.firmware import CONTROLLER, HOST_BOARD, Owner, read_sources, typedefs
+from hysgen.firmware.wire import SETTINGS_BYTES, FirmwareStatus, Request, Settings, State, image_frames
 from hysgen.machine.native import Library, Toolchain, build
 from hysgen.model.file import parse_model
 from hysgen.model.path import preview
+from hysgen_lab.stage import StageState
 
 Floats32 = NDArray[np.float32]
 
@@ -40,46 +40,6 @@ CALLED: Final = (
 
 SLOT_BYTES: Final = 4096
 NO_CUT: Final = 0xFFFFFFFF
-
-
-State = IntEnum("State", "OFF POWER RISE LOOP HOLD APPROACH TRACK FALL TRIP TRIPPED PLAY", start=0)
-"""State of the controller (controller.h)."""
-Request = IntEnum("Request", "START STOP CLEAR RECORD")
-"""Requests to the controller (controller.h)."""
-
-
-class FirmwareStatus(IntFlag):
-    """Bits of the firmware's status word (status.h)."""
-
-    SENSOR_INVALID = 0x1
-    SENSOR_RANGE = 0x2
-    REFERENCE_INVALID = 0x4
-    REFERENCE_LIMITED = 0x8
-    REFERENCE_SLEWED = 0x10
-    OUTPUT_LIMITED = 0x20
-    OUTPUT_SLEWED = 0x40
-    AMPLIFIER_LIMITS = 0x80
-    LOOP_LIMITED = 0x100
-    DEADLINE_MISSED = 0x200
-    MODEL = 0x400
-    LEARN_SKIPPED = 0x800
-    IMAGE_REFUSED = 0x1000
-    IMAGE_FALLBACK = 0x2000
-    INTERRUPT_LOST = 0x4000
-    SENSOR_JUMP = 0x8000
-    FAULT_SELFTEST = 0x10000
-    FAULT_SENSOR = 0x20000
-    FAULT_STUCK = 0x40000
-    FAULT_FOLLOW = 0x80000
-    FAULT_AMPLIFIER = 0x100000
-    FAULT_DEADLINE = 0x200000
-    FAULT_OFFSET = 0x400000
-    FAULT_STROKE = 0x800000
-    FAULT_SETTINGS = 0x1000000
-    FAULT_TIMEOUT = 0x2000000
-    FAULT_RESET = 0x4000000
-    FAULT_EXCEPTION = 0x8000000
-    FAULT_MEMORY = 0x10000000
 
 
 FAULTS: Final = 0x1FFF0000
@@ -118,23 +78,14 @@ class HostImage:
         return cls(name, build([*own.items(), *generated.items()], declared, toolchain, (), CALLED))
 
 
-class DrivenPlant(Protocol):
-    """The plant that the host's board drives, such as the state of a virtual stage."""
-
-    @property
-    def y_um(self) -> float:
-        """Displacement at the start, in um."""
-
-    @property
-    def address(self) -> tuple[int, int]:
-        """Addresses of `double (*)(void *plant, double u_V)`, which holds u_V for one sample, and of its plant."""
-
-
 class HostFirmware:
-    """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi."""
+    """The image booted on a board with a stage. `firmware`, `board`: the C structs, through cffi.
+
+    stage: or any plant with its displacement `y_um` at the start, in um, and its `address`, as `StageState` has them.
+    """
 
     def __init__(
-        self, image: HostImage, stage: DrivenPlant, settings: Settings | None = None, owner: Owner | None = None
+        self, image: HostImage, stage: StageState, settings: Settings | None = None, owner: Owner | None = None
     ) -> None:
         self.image = image
         self.stage = stage
@@ -210,7 +161,7 @@ class HostFirmware:
             logs.append(self.run(np.full(1000, reference_um)))
             if self.state in (State.TRACK, State.TRIPPED):
                 break
-        joined = (np.concatenate([getattr(log, each.name) for log in logs]) for each in fields(Log))
+        joined = (np.concatenate([getattr(log, column.name) for log in logs]) for column in fields(Log))
         return Log(*joined)
 
     def fail(
@@ -234,8 +185,8 @@ class HostFirmware:
 
     def line(self, data: bytes) -> bytes:
         """Put bytes on the line to the firmware, and run the idle loop until it has taken them. Returns its answers."""
-        kept = self._ffi.new("uint8_t []", data or b"\0")
-        self.board.incoming, self.board.incoming_count = kept, len(data)
+        buffer = self._ffi.new("uint8_t []", data or b"\0")
+        self.board.incoming, self.board.incoming_count = buffer, len(data)
         answers = b""
         while self.board.incoming_count:
             self._lib.hysgen_firmware_idle(self.firmware, self.board)

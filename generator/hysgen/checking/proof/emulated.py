@@ -1,22 +1,36 @@
-"""Generated C as a program for another processor, run under qemu: the interface of `checking.host.Host` over pipes."""
+"""Equality of bits on other instruction sets of both byte orders.
 
+The method is that of `hysgen verify`, equality of whole runs by induction against the float32 reference. The builds are
+the host's and those of PLATFORMS: generated C as a program for another processor, run under qemu, with the interface of
+`checking.Host` over pipes.
+"""
+
+import dataclasses
+import math
 import shutil
 import subprocess
 import tempfile
+import time
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.checking.proof.warnings import BASIC
+from hysgen.checking import Build, Driven, Host
+from hysgen.checking.bits import Report
+from hysgen.checking.bits.comparison import SETUP, START_SAMPLES, Task, compare, tasks
+from hysgen.checking.bits.functions import LEARNING_SHARE, SHARES
+from hysgen.checking.bits.learning_run import LEAST_UPDATES, HostSide, LearningResult, compare_learning
+from hysgen.checking.proof.static import BASIC
 from hysgen.codegen.manifest import c_files
 from hysgen.codegen.render import render
-from hysgen.codegen.structs import interface_of
 from hysgen.errors import BuildError
+from hysgen.machine.native import Toolchain, compiler_version
+from hysgen.model.model import Model
 
 STRICT: Final = ("-O2", "-ffp-contract=off")
 """Default scheduling, no multiplication fused with an addition."""
@@ -65,7 +79,7 @@ PLATFORMS: Final = (
 Words = NDArray[np.uint32]
 
 
-class Emulated:
+class Emulated(Driven):
     """A model's generated C, compiled for `platform` and run under its emulator until this object is deleted.
 
     texts: file name -> text, as `codegen.generate` returns them. flags: of the compiler, for arithmetic and scheduling.
@@ -78,14 +92,10 @@ class Emulated:
         if platform.missing:
             needed = " ".join(platform.packages)
             raise BuildError(f"{platform.name}: {', '.join(platform.missing)} not installed; apt-get install {needed}")
-        self.name, self.platform = name, platform
-        self.interface = interface_of(name, texts)
-        self.entries = {function.name: function for function in self.interface.functions if function.floats}
-        self.channels = self.interface.channels
-        self.selftested = f"{name}_selftest.c" in texts
-        self.commits = self.interface.has("commit")
+        super().__init__(name, texts)
+        self.platform = platform
         self._scratch = tempfile.TemporaryDirectory(prefix="hysgen-")
-        _compile(self.name, texts, platform, flags, self._facts(), Path(self._scratch.name))
+        _compile(self.name, texts, platform, flags, self.facts, Path(self._scratch.name))
         self._stderr = Path(self._scratch.name) / "stderr"
         with self._stderr.open("wb") as stderr:
             self._process = subprocess.Popen(
@@ -132,10 +142,6 @@ class Emulated:
         """The 32-bit words of a struct, as a live view."""
         return struct
 
-    def layout(self, struct: str) -> dict[str, int]:
-        """Word index of every scalar in a struct, by its C path."""
-        return {word.path: place for place, word in enumerate(self.interface.struct(struct).words())}
-
     def run(
         self,
         function: str,
@@ -152,17 +158,6 @@ class Emulated:
         struct[:] = self._receive(struct.size)
         out = self._receive(n)
         return out, self._receive(n * words).reshape(n, words)
-
-    def _facts(self) -> dict[str, Any]:
-        return {
-            "name": self.name,
-            "structs": self.interface.structs,
-            "entries": list(self.entries.values()),
-            "channels": self.channels,
-            "commits": self.commits,
-            "selftested": self.selftested,
-            "learns": self.interface.has("learn_init"),
-        }
 
     def _send(self, head: list[int], *arrays: Words) -> None:
         assert self._process.stdin is not None
@@ -209,3 +204,105 @@ def _close(process: subprocess.Popen[bytes], scratch: tempfile.TemporaryDirector
             pipe.close()
     process.wait()
     scratch.cleanup()
+
+
+LEARNING_RUN_SHARE: Final = 0.01
+"""Updates of the learning run, as a share of the samples."""
+
+
+@dataclass(frozen=True)
+class EmulationSettings:
+    """Extent of a comparison.
+
+    samples: per function and platform; LEARNING_SHARE of them for `learn`. platforms: those whose compiler or emulator
+    is not installed are skipped. flags: of the compilers.
+    """
+
+    samples: int = 1_000_000
+    platforms: Sequence[Platform] = PLATFORMS
+    flags: Sequence[str] = STRICT
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class EmulatedReport:
+    """comparison: with the reference. learning: the learning run on the host and on each platform; empty for a model
+    without a learner.
+    """
+
+    comparison: Report
+    learning: tuple[LearningResult, ...]
+
+    @property
+    def equal(self) -> bool:
+        """Whether every compared bit is equal."""
+        return self.comparison.equal and all(result.equal for result in self.learning)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain JSON values."""
+        # asdict turns a Counter into a list of its items.
+        learning = [dataclasses.asdict(result) | {"answers": dict(result.answers)} for result in self.learning]
+        return self.comparison.to_json() | {"equal": self.equal, "followed": learning}
+
+    def lines(self) -> list[str]:
+        """The report as text."""
+        return [*self.comparison.lines(), *(str(result) for result in self.learning[1:])]
+
+
+def equality(
+    model: Model,
+    texts: Mapping[str, str],
+    settings: EmulationSettings | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> EmulatedReport:
+    """Compare the C in `texts` on every platform whose compiler and emulator are installed.
+
+    A model with a learner also makes a learning run of LEARNING_RUN_SHARE of the samples, at least LEAST_UPDATES
+    updates, in place of a comparison of commit with the reference.
+    Raises BuildError if no platform is installed or a compiler rejects the C.
+    """
+    started = time.monotonic()
+    chosen, report = settings or EmulationSettings(), progress or (lambda fraction, step: None)
+    samples, flags = chosen.samples, chosen.flags
+    installed = [platform for platform in chosen.platforms if not platform.missing]
+    skipped = [_missing(platform) for platform in chosen.platforms if platform.missing]
+    if not installed:
+        raise BuildError(f"no other instruction set: {skipped[0]}")
+    report(0.0, "compiling for " + ", ".join(platform.name for platform in installed))
+    builds = [_build(model, texts, platform, flags) for platform in installed]
+    # The host comes first: the reference proves the host's trace, and an equal trace of a platform is proved with it.
+    host = Build(Toolchain("gcc", ("-O2",)), False, Host(model.name, texts))
+    planned = [(task, _share(task, samples)) for task in tasks(host.host)]
+    comparing = f"comparing {model.name} on {len(builds)} instruction sets"
+    compared = compare(model, [host, *builds], planned, chosen.seed, lambda done: report(done, comparing))
+    learning: list[LearningResult] = []
+    if host.host.commits:
+        report(1.0, f"learning and committing on {len(builds)} instruction sets")
+        names = ["this machine", *(platform.name for platform in installed)]
+        sides = [HostSide(name, build.host) for name, build in zip(names, [host, *builds], strict=True)]
+        updates = max(LEAST_UPDATES, math.ceil(LEARNING_RUN_SHARE * samples))
+        learning = compare_learning(model, sides, host.host, updates, chosen.seed)
+    labels = tuple(
+        f"{platform.name}: {compiler_version(platform.compiler)}, {' '.join(flags)}" for platform in installed
+    )
+    seconds = time.monotonic() - started
+    comparison = Report(model.name, labels, tuple(skipped), (), *compared, seconds)
+    return EmulatedReport(comparison, tuple(learning))
+
+
+def _share(task: Task, samples: int) -> int:
+    """Samples of one function under one style."""
+    if task.function in SETUP:
+        return min(samples, START_SAMPLES)
+    return math.ceil(SHARES[task.style] * samples * (LEARNING_SHARE if task.learns else 1.0))
+
+
+def _build(model: Model, texts: Mapping[str, str], platform: Platform, flags: Sequence[str]) -> Build:
+    # Emulated has the part of Host's interface that a comparison uses.
+    program = cast(Host, Emulated(model.name, texts, platform, flags))
+    return Build(Toolchain(platform.compiler, tuple(flags)), False, program)
+
+
+def _missing(platform: Platform) -> str:
+    packages = " ".join(platform.packages)
+    return f"{platform.name}: {', '.join(platform.missing)} not installed; apt-get install {packages}"
