@@ -11,11 +11,14 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
+import scipy.io.wavfile
 
 from fixtures.record_of_files import TIME_S, TS_S, U_V, Y_UM, K, N, check
 from fixtures.tools import library
 from hysgen.errors import RecordError
 from hysgen.record import load_record
+from hysgen.record.columns import Columns
+from hysgen.trajectory.reference import load_series
 
 
 def as_simulink(path: Path) -> None:
@@ -151,3 +154,18 @@ def test_groups_of_an_hdf5_file_that_hold_the_same_names_are_segments(tmp_path: 
     record = load_record(tmp_path / "runs.h5")
     assert [one.name for one in record.segments] == ["run1", "run2"]
     assert record.Ts_s == pytest.approx(TS_S)
+
+
+def test_a_wav_file_holds_channels_by_number_and_a_rate(tmp_path: Path) -> None:
+    """Floats as they are; whole numbers as shares of full scale, which is said."""
+    rate_Hz, named = round(1.0 / TS_S), Columns(voltage="channel 1", displacement="channel 2")
+    scipy.io.wavfile.write(tmp_path / "two.wav", rate_Hz, np.column_stack([U_V, Y_UM]))
+    record = load_record(tmp_path / "two.wav", columns=named)
+    np.testing.assert_array_equal(record.y_um, Y_UM)
+    assert record.Ts_s == pytest.approx(1.0 / rate_Hz)
+    shares = np.array([-32768, -16384, 0, 16384], dtype=np.int16)
+    scipy.io.wavfile.write(tmp_path / "one.wav", rate_Hz, shares)
+    series = load_series(tmp_path / "one.wav", "displacement", Columns(displacement="channel 1"))
+    assert series.values.tolist() == [-1.0, -0.5, 0.0, 0.5]
+    assert any("shares of full scale" in remark for remark in series.remarks)
+    assert series.time_s[1] == pytest.approx(1.0 / rate_Hz)
