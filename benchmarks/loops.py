@@ -3,20 +3,31 @@
 python benchmarks/loops.py          bandwidths and margins, and the worst of a thousand chains after a push
 python benchmarks/loops.py track    rms and largest error of tasks by method, on a chain behind an elasto-slide actuator
 python benchmarks/loops.py track 0  the same on the virtual laboratory stage
+python benchmarks/loops.py track 2  the same on two masses, on which nothing was tuned
+
+Behind each error stands the rms of the part that repeats: the error of the stage without noise and drift. `limits` is
+the least rms that the amplifier allows: a quadratic programme over every voltage inside range and rate, about the true
+stage without noise (`least_within`), which is played and corrected until it no longer falls.
 """
 
 from __future__ import annotations
 
 import math
 import sys
+from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.linalg import expm
+from scipy.signal import cont2discrete, tf2ss
+from scipy.sparse.linalg import splu
 
 import hysgen
 from hysgen.feedback.certificate import LoopDesign
 from hysgen.float32.reference.instance import Instance
+from hysgen.machine.kernels.operators import slew_limited
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import preview
 from hysgen.model.path.structure import Structure
@@ -114,14 +125,14 @@ class Actuator:
     span_V, middle = (0.0, 100.0), (1.0, 6.0)
     """Its voltages, and amplitude and centre in um of what it follows."""
 
-    def __init__(self, modes: int, draw: int) -> None:
+    def __init__(self, modes: int, draw: int, noisy: bool = True) -> None:
         A, B, self.C = chain(*stage(modes))
         whole = expm(TS_S * np.block([[A, B[:, None]], [np.zeros((1, B.size + 1))]]))
         self.A, self.B = whole[:-1, :-1], whole[:-1, -1]
         rng = np.random.default_rng([modes, draw])
         self.slack_V = 40.0 * np.random.default_rng(modes).weibull(1.5, 40)
         self.rest = np.linalg.solve(np.eye(B.size) - self.A, self.B)
-        self.noise = (NOISE_UM * rng.standard_normal(200_000)).tolist()
+        self.noise = (noisy * NOISE_UM * rng.standard_normal(200_000)).tolist()
         self.slid, self.last_V, self.late_V, self.k = np.zeros(40), 0.0, 0.0, 0
         self.lagged = 0.0
         self.x = self.rest * 0.0
@@ -141,14 +152,22 @@ class Actuator:
         drive = 0.12 * (u_V - 0.25 * float(self.slid.mean()))
         self.lagged = self.keep * self.lagged + (1.0 - self.keep) * drive
 
+    def linear(self) -> tuple[Floats, Floats, Floats]:
+        """From voltage to displacement with every slider stuck: lag, masses, and the voltage's sample of delay."""
+        n = self.B.size
+        A, B = np.zeros((n + 2, n + 2)), np.eye(n + 2)[-1]
+        A[:n, :n], A[:n, n], A[n, n], A[n, -1] = self.A, self.B, self.keep, 1.0 - self.keep
+        return A, B, 0.09 * np.append(self.C, [0.0, 0.0])
+
 
 class Laboratory:
     """The laboratory stage: hysteresis, lag, mode, creep, drift, hum, amplifier, sensor; voltages act a sample late."""
 
     span_V, middle = (LOW_V, HIGH_V), (0.6, 2.0)
 
-    def __init__(self, draw: int) -> None:
-        self.state, self.late_V = StageState(laboratory(), TS_S, draw), LOW_V
+    def __init__(self, draw: int, noisy: bool = True) -> None:
+        stage = laboratory() if noisy else laboratory().with_effects(drift=None).quiet()
+        self.state, self.late_V = StageState(stage, TS_S, draw), LOW_V
 
     def read(self) -> float:
         """Displacement in um as the sensor gives it."""
@@ -159,13 +178,22 @@ class Laboratory:
         self.state.step(self.late_V, [])
         self.late_V = u_V
 
+    def linear(self) -> tuple[Floats, Floats, Floats]:
+        """From voltage to displacement: lag, mode, amplifier, the gain of the stroke, and a sample that it is late."""
+        w, lags = 2.0 * math.pi * 780.0, np.polymul([1e-3, 1.0], [1.0 / (2.0 * math.pi * 10e3), 1.0])
+        ring = np.array([1.0 / w**2, 0.06 / w, 1.0])
+        A, B, C, _, _ = cont2discrete(tf2ss(0.75 * ring + [0.0, 0.0, 0.25], np.polymul(lags, ring)), TS_S)
+        n = len(A)
+        late = np.block([[A, B], [np.zeros((1, n + 1))]])
+        return late, np.eye(n + 1)[-1], 0.06 * np.append(C[0], 0.0)
+
 
 Plant = Actuator | Laboratory
 
 
-def plant(modes: int, draw: int) -> Plant:
-    """A chain of masses behind its actuator, or, of 0 modes, the laboratory stage."""
-    return Actuator(modes, draw) if modes else Laboratory(draw)
+def plant(modes: int, draw: int, noisy: bool = True) -> Plant:
+    """A chain of masses behind its actuator, or, of 0 modes, the laboratory stage; without what does not repeat."""
+    return Actuator(modes, draw, noisy) if modes else Laboratory(draw, noisy)
 
 
 def played(stage: Plant, u_V: Floats) -> Floats:
@@ -199,6 +227,80 @@ def record_of(modes: int, draw: int = 99) -> hysgen.Record:
     return hysgen.Record.from_arrays(u_V, played(stage, u_V), TS_S, source="stage")
 
 
+RATE_V = {0: 2.0}
+"""Largest change of the voltage in a sample by number of modes: the amplifier of the laboratory stage."""
+
+ROUNDS, INNER, AHEAD, WEIGHT = 30, 40, 400, 10.0
+"""Rounds of `least_within`, steps of a programme, samples before the reference whose voltage is free, and the first
+weight, in squares of the noise over V^2, of what a round changes from sample to sample (Levenberg and Marquardt)."""
+
+
+def least_within(modes: int, wanted: Floats, u_V: Floats) -> Floats:
+    """The errors, (m,), that are least in the mean square over every voltage inside the limits, from u, (n,), on.
+
+    Round by round the programme about the last voltage u and the true error e of the stage without noise
+
+        minimise |e + P (v - u)|^2 + weight |change of v - u|^2   such that  low <= v <= high, |v(k) - v(k-1)| <= rate
+
+    with P the linear part of the true stage; v is played, and the best of all rounds stays.
+    """
+    stage, rate_V = plant(modes, 0, noisy=False), RATE_V.get(modes, math.inf)
+    (A, B, C), (low, high), m = stage.linear(), stage.span_V, wanted.size
+    n, order = m + AHEAD, B.size
+    # States of about 1: their largest values behind a step of 1 V.
+    size = np.abs(list(accumulate(range(n), lambda x, _: A @ x + B, initial=0.0 * B))).max(axis=0)
+    A, B, C = A * size / size[:, None], B / size, C * size
+    # Unknowns are v - u and the states, sample by sample: s(k+1) = A s(k) + B v(k).
+    late, unit = sparse.eye_array(n, k=-1), sparse.eye_array(n)
+    E = sparse.hstack([-sparse.kron(late, B[:, None]), sparse.kron(unit, np.eye(order)) - sparse.kron(late, A)])
+    of_v = sparse.hstack([unit, sparse.csr_array((n, n * order))])
+    change = sparse.hstack([unit - late, sparse.csr_array((n, n * order))])
+    G = sparse.vstack([of_v, -of_v, *([change, -change] if rate_V < math.inf else [])], format="csr")
+    see = sparse.hstack([sparse.csr_array((m, n)), sparse.kron(sparse.eye_array(m, n, k=AHEAD), C[None, :])]) / NOISE_UM
+    k = np.arange(float(n))
+    at = np.argsort(np.concatenate([k, *[np.repeat(k, order) + 0.3] * 2]), kind="stable")
+    before, u_V = u_V[:-n], u_V[-n:]
+
+    def judged(v: Floats) -> tuple[float, Floats, Floats]:
+        v = slew_limited(np.clip(v, low, high), rate_V, rate_V, float(before[-1]))
+        e = played(plant(modes, 0, noisy=False), np.append(before, v))[-m:] - wanted
+        return float(np.mean(e**2)), v, e
+
+    best, weight = judged(u_V), WEIGHT
+    for _ in range(ROUNDS):
+        _, u_V, e = best
+        moved = np.diff(np.append(before[-1:], u_V))
+        sides = [high - u_V, u_V - low, *([rate_V - moved, rate_V + moved] if rate_V < math.inf else [])]
+        H, q = see.T @ see + weight * change.T @ change, see.T @ e / NOISE_UM
+        step = quadratic(H, q, E.tocsr(), G, np.concatenate(sides), at)[:n]
+        last = judged(u_V + step)
+        weight *= 0.2 if last[0] < best[0] else 10.0
+        best = min(best, last, key=lambda row: row[0])
+        if best[0] < (0.1 * NOISE_UM) ** 2:
+            break
+    return best[2]
+
+
+def quadratic(H: Any, q: Floats, E: Any, G: Any, h: Floats, at: NDArray[np.int64]) -> Floats:
+    """x that minimises x' H x/2 + q' x where E x = 0, G x <= h, by an interior point; at: order of the equations."""
+    n = E.shape[1]
+    x, y, s = np.zeros(n), np.zeros(E.shape[0]), np.maximum(h, 1e-2)
+    z, small = np.ones(h.size), sparse.diags_array(np.repeat([1e-9, -1e-9], [n, E.shape[0]]))
+    for _ in range(INNER):
+        gap, slack = 0.1 * float(s @ z) / s.size, G @ x + s - h
+        side = np.append(-(H @ x + q + E.T @ y + G.T @ (z + (gap - s * z + z * slack) / s)), -E @ x)
+        matrix = sparse.block_array([[H + G.T @ sparse.diags_array(z / s) @ G, E.T], [E, None]], format="csr") + small
+        solved = np.empty(side.size)
+        solved[at] = splu(matrix[at][:, at].tocsc()).solve(side[at])
+        of_s = -slack - G @ solved[:n]
+        of_z = (gap - s * z - z * of_s) / s
+        far = min(1.0, *(0.99 * float(np.min(-v[d < 0] / d[d < 0], initial=2.0)) for v, d in ((s, of_s), (z, of_z))))
+        x, y, s, z = x + far * solved[:n], y + far * solved[n:], s + far * of_s, z + far * of_z
+        if gap < 1e-7:
+            break
+    return x
+
+
 def followed(model: Model, actuator: Plant, wanted: Floats) -> Floats:
     """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before.
 
@@ -222,41 +324,61 @@ def followed(model: Model, actuator: Plant, wanted: Floats) -> Floats:
 
 
 def track(modes: int) -> None:
-    """The table: rms and largest error in nm of every task by every method."""
+    """The table of a stage that one record identifies."""
     record = record_of(modes)
-    model, paper, straight = hysgen.diagnose(record).model, hysgen.fit(record), fit_proportional(record)
-    loop = hysgen.design_loop(model)
-    print(model, loop, sep="\n")
+    model = hysgen.diagnose(record).model
+    print(model, sep="\n")
     free_run_um = hysgen.score(model, record_of(modes, 98)).free_run.e_rms_um
+    print(
+        f"noise {1e3 * NOISE_UM:.2f} nm; free run {1e3 * free_run_um:.4g} nm; rms (largest) error; of what repeats, nm"
+    )
+    table(modes, record, model)
+
+
+def table(modes: int, record: hysgen.Record, model: Model) -> None:
+    """Rms and largest error in nm of every task by every method, and the rms of the part that repeats."""
+    paper, straight, loop = hysgen.fit(record), fit_proportional(record), hysgen.design_loop(model)
+    print(loop)
     by_hand = 2.0 * math.pi * loop.certificate.without_inverse_Hz * TS_S
-    print(f"noise {1e3 * NOISE_UM:.2f} nm; free run {1e3 * free_run_um:.4g} nm; rms (largest) error in nm")
     for form, f_Hz in TASKS:
         amplitude_um, centre_um = plant(modes, 0).middle
         amplitude_um *= 1.0 if f_Hz < 500.0 else 0.05
         shape = hysgen.Form(amplitude_um, centre_um, f_Hz, max(2.0, round(0.04 * f_Hz)))
         plan = hysgen.waveform(model, form, shape, loop=True)
-        wanted, row = plan.reference.values, {}
+        wanted, row = plan.reference.values, dict[str, tuple[Floats, ...]]()
 
-        def play(u_V: Floats, repeat: int = 0) -> Floats:
-            return played(plant(modes, 1 + repeat), u_V)
+        def play(u_V: Floats, repeat: int = 0, noisy: bool = True) -> Floats:
+            return played(plant(modes, 1 + repeat, noisy), u_V)
+
+        def errors(u_V: Floats, lead: int = 0, course: Floats = wanted) -> tuple[Floats, ...]:
+            return tuple(play(u_V, noisy=noisy)[lead:] - course for noisy in (True, False))
 
         ratio = np.append(straight.inverse(wanted), 0.0)[: wanted.size]
         ratio[-1] = ratio[-2]
-        row["proportional"] = play(ratio) - wanted
+        row["proportional"] = errors(ratio)
         other = hysgen.waveform(paper, form, shape)
-        row["paper's inverse"] = play(other.u_V)[other.lead :] - wanted
-        row["by hand"] = by_hand_errors(plant(modes, 1), ratio, wanted, by_hand / 0.1)
+        row["paper's inverse"] = errors(other.u_V, other.lead)
+        row["by hand"] = tuple(by_hand_errors(plant(modes, 1, quiet), ratio, wanted, by_hand / 0.1) for quiet in (1, 0))
         plays = []
         for repeat in range(REPEATS + 1):
-            y_um = play(plan.u_V, repeat)
             if repeat in (0, 1, 3, 5, REPEATS):
-                row[f"learnt {repeat}" if repeat else "feed-forward"] = y_um[plan.lead :] - wanted
-            segment = Segment("0", plan.u_V, y_um, {}, plan.start_s)
+                row[f"learnt {repeat}" if repeat else "feed-forward"] = errors(plan.u_V, plan.lead)
+            segment = Segment("0", plan.u_V, play(plan.u_V, repeat), {}, plan.start_s)
             plays.append(hysgen.Record.from_segments([segment], TS_S, "played"))
             plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
-        row["designed loop"] = followed(loop.around(model), plant(modes, 1), wanted) - wanted
-        texts = (f"{name} {1e3 * np.sqrt(np.mean(e**2)):.4g} ({1e3 * np.abs(e).max():.4g})" for name, e in row.items())
+        looped = loop.around(model)
+        row["designed loop"] = tuple(
+            followed(looped, plant(modes, 1, noisy), wanted) - wanted for noisy in (True, False)
+        )
+        row["limits"] = (least_within(modes, wanted, plan.u_V),) * 2
+        texts = (
+            f"{name} {rms_nm(e):.4g} ({1e3 * np.abs(e).max():.4g}; {rms_nm(own):.3g})" for name, (e, own) in row.items()
+        )
         print(f"{form} {f_Hz:g} Hz:", "; ".join(texts), flush=True)
+
+
+def rms_nm(e_um: Floats) -> float:
+    return 1e3 * float(np.sqrt(np.mean(e_um**2)))
 
 
 def by_hand_errors(actuator: Plant, ratio_V: Floats, wanted: Floats, gain_V: float) -> Floats:
