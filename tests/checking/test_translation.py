@@ -210,6 +210,18 @@ def test_equal_forms_are_proved_without_a_solver_and_the_rest_stays_open(monkeyp
     assert "not proved" in proof.line()
 
 
+def test_what_is_said_twice_is_said_once() -> None:
+    """Three parts that hear one channel set the same bit of the status: the C says it three times."""
+    graph = Graph()
+    x, y = graph.param(0), graph.param(1)
+    sweep = Sweep(lambda op: np.arange(SAMPLES, dtype=np.uint32) * np.uint32(1 + op.number))
+    for kind in ("or", "and"):
+        once = graph.op(kind, x, y)
+        (pair,) = sweep.pairs([(graph.op(kind, once, graph.op(kind, y, x)), once)])
+        assert pair[0] is pair[1]
+    assert sweep.asked == 0
+
+
 def test_equal_bits_are_no_proof_and_assumptions_are_used() -> None:
     """x < 8 and x > 7 part at 7.5 alone; both say the same of every drawn whole number."""
     graph = Graph()

@@ -115,14 +115,14 @@ def _multiple(graph: Graph, op: Op, factor: int) -> Op:
 
 
 def _in_order(graph: Graph, kind: str, args: Sequence[Op]) -> Op:
-    """A sum, or another operation whose order and brackets do not matter, in the order of its operands' age."""
+    """A sum, or another operation whose order and brackets do not matter, by age of its operands; x | x is x."""
     operands: list[Op] = []
     pending = list(args)
     while pending:
         top = pending.pop()
         if top.kind == kind and len(operands) + len(pending) < MOST_OPERANDS:
             pending += top.args
-        else:
+        elif kind not in ("and", "or") or all(top is not operand for operand in operands):
             operands.append(top)
     first, *others = _by_age(operands)
     return functools.reduce(lambda total, operand: graph.op(kind, total, operand), others, first)
