@@ -42,6 +42,11 @@ def smooth(rng: np.random.Generator, low_um: float, high_um: float, samples: int
     return np.asarray(low_um + (high_um - low_um) * unit)
 
 
+def test_a_loop_over_the_whole_range_stays_inside_it_to_the_last_bit() -> None:
+    plan = hysgen.waveform("appendix_a", 2.0 + 0.5 * np.sin(0.0125 * np.arange(500)), loop=True)
+    assert (plan.u_V.min(), plan.u_V.max()) == (-20.0, 120.0)
+
+
 @pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sets(st.sampled_from(["delay", "hysteresis", "creep", "modes", "structure"])))

@@ -324,7 +324,7 @@ def _limited(
     if ends[scored].any() and np.abs(answer - course)[scored].max() > REACHED * np.ptp(course[scored]):
         broken = broken or ("voltage",)
     if not broken:
-        return volts, answer, None, broken
+        return np.clip(volts, limits.low_V, limits.high_V), answer, None, broken
     cut = clipped(volts, limits, stage.Ts_s)
     cut_um = float(np.abs(stage.simulate(np.append(cut, cut[-1])) - course)[scored].max())
     return *best_within(stage, course, volts, limits, scored, first), cut_um, broken
