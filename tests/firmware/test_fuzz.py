@@ -45,8 +45,8 @@ uint64_t fuzz_preemptions(void);
 uint32_t fuzz_places(void);
 """
 FLAGS = ("-O3", "-fsanitize=thread", "-nostdlib", "-fno-semantic-interposition", "-fno-plt", "-Wl,-Bsymbolic")
-PACKAGED = ("-O3", "-Xclang", *FLAGS[1:])
-"""The compiler of pip links functions of its own behind them, unless its front end alone is told."""
+PACKAGED = ("-O3", "-Xclang", *(flag for flag in FLAGS[1:] if flag != "-nostdlib"))
+"""The compiler of pip links functions of its own unless its front end alone is told; it brings headers of a libc."""
 Change = tuple[str, str, str]
 
 
