@@ -152,7 +152,7 @@ LIMITED, CLIPPED_AT_60 = LAG.having(Slew(800.0, 800.0)), LAG.having(Saturation(h
 def test_search_replaces_a_cause_that_was_taken_for_the_planted_one(
     monkeypatch: pytest.MonkeyPatch, stage: Chain, more_um: NDArray[np.float64] | float, wrong: Chain, right: str
 ) -> None:
-    monkeypatch.setattr(search, "_start", lambda seen: refine(seen, wrong))
+    monkeypatch.setattr(search, "start", lambda seen: refine(seen, wrong))
     assert named(search.search(scene(stage, more_um))) == [right]
 
 

@@ -19,7 +19,7 @@
 #define MODEL_COMMIT_POINTS  0x00000100u
 #define MODEL_COMMIT_MATURE  0x00000400u
 
-/* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
+/* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware). */
 #define MODEL_DIGEST   { 0xc2629f14u, 0xa02a89d9u, 0x37793a33u, 0x50c61d31u }
 
 /* Of the model file: a parameter image may name the build that it is for. */

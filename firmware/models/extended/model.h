@@ -19,7 +19,7 @@
 #define MODEL_COMMIT_POINTS  0x00000020u
 #define MODEL_COMMIT_MATURE  0x00000400u
 
-/* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware.image). */
+/* What a parameter image must fit: ranges, partition, shapes of terms and input blocks (hysgen.firmware). */
 #define MODEL_DIGEST   { 0x55c07e91u, 0xf0df192au, 0x563b4fdcu, 0xf795e4ddu }
 
 /* Of the model file: a parameter image may name the build that it is for. */

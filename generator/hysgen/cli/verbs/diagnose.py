@@ -23,7 +23,6 @@ from hysgen.machine.processes import several_processes
 from hysgen.model.file import save_model
 from hysgen.record import load_record
 from hysgen.record.read import IDENTIFICATION_ROWS, bundled_csv
-from hysgen.report.pages import diagnosis_page
 from hysgen.report.words import diagnosis_text, verdict
 from hysgen.uncertainty.gum import length_um, sensor_uncertainty
 from hysgen.uncertainty.simulated import characterise
@@ -177,6 +176,8 @@ def demo_arguments(parser: argparse.ArgumentParser) -> None:
 
 @several_processes(__name__)
 def run_demo(arguments: argparse.Namespace, console: Console) -> int:
+    from hysgen.report.pages import diagnosis_page  # loads the pictures
+
     started = time.monotonic()
     toolchains(host_compilers(), LEVELS)  # raises BuildError now, not after the diagnosis
     folder = Path(arguments.output)
