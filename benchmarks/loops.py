@@ -15,14 +15,13 @@ from __future__ import annotations
 import math
 import sys
 from itertools import accumulate
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from quadratic import quadratic
 from scipy import sparse
 from scipy.linalg import expm
 from scipy.signal import cont2discrete, tf2ss
-from scipy.sparse.linalg import splu
 
 import hysgen
 from hysgen.feedback.certificate import LoopDesign
@@ -230,9 +229,9 @@ def record_of(modes: int, draw: int = 99) -> hysgen.Record:
 RATE_V = {0: 2.0}
 """Largest change of the voltage in a sample by number of modes: the amplifier of the laboratory stage."""
 
-ROUNDS, INNER, AHEAD, WEIGHT = 30, 40, 400, 10.0
-"""Rounds of `least_within`, steps of a programme, samples before the reference whose voltage is free, and the first
-weight, in squares of the noise over V^2, of what a round changes from sample to sample (Levenberg and Marquardt)."""
+ROUNDS, AHEAD, WEIGHT = 30, 400, 10.0
+"""Rounds of `least_within`, samples before the reference whose voltage is free, and the first weight, in squares of the
+noise over V^2, of what a round changes from sample to sample (Levenberg and Marquardt)."""
 
 
 def least_within(modes: int, wanted: Floats, u_V: Floats) -> Floats:
@@ -279,26 +278,6 @@ def least_within(modes: int, wanted: Floats, u_V: Floats) -> Floats:
         if best[0] < (0.1 * NOISE_UM) ** 2:
             break
     return best[2]
-
-
-def quadratic(H: Any, q: Floats, E: Any, G: Any, h: Floats, at: NDArray[np.int64]) -> Floats:
-    """x that minimises x' H x/2 + q' x where E x = 0, G x <= h, by an interior point; at: order of the equations."""
-    n = E.shape[1]
-    x, y, s = np.zeros(n), np.zeros(E.shape[0]), np.maximum(h, 1e-2)
-    z, small = np.ones(h.size), sparse.diags_array(np.repeat([1e-9, -1e-9], [n, E.shape[0]]))
-    for _ in range(INNER):
-        gap, slack = 0.1 * float(s @ z) / s.size, G @ x + s - h
-        side = np.append(-(H @ x + q + E.T @ y + G.T @ (z + (gap - s * z + z * slack) / s)), -E @ x)
-        matrix = sparse.block_array([[H + G.T @ sparse.diags_array(z / s) @ G, E.T], [E, None]], format="csr") + small
-        solved = np.empty(side.size)
-        solved[at] = splu(matrix[at][:, at].tocsc()).solve(side[at])
-        of_s = -slack - G @ solved[:n]
-        of_z = (gap - s * z - z * of_s) / s
-        far = min(1.0, *(0.99 * float(np.min(-v[d < 0] / d[d < 0], initial=2.0)) for v, d in ((s, of_s), (z, of_z))))
-        x, y, s, z = x + far * solved[:n], y + far * solved[n:], s + far * of_s, z + far * of_z
-        if gap < 1e-7:
-            break
-    return x
 
 
 def followed(model: Model, actuator: Plant, wanted: Floats) -> Floats:
