@@ -137,6 +137,12 @@ def decisive_registers(packets: Mapping[int, Packet], start: int) -> frozenset[i
     return frozenset(decisive)
 
 
+def is_executed(instruction: Instruction, known: KnownRegisters, answers: KnownPredicates) -> bool | None:
+    """Whether the instruction is executed, by the values of counters or by earlier branches; None if unknown."""
+    counted = known.holds(instruction)
+    return answers.holds(instruction.predicate) if counted is None else counted
+
+
 def entry_values(registers: frozenset[int]) -> KnownRegisters:
     """Every register has its own value on entry."""
     every = range(REGISTERS)
@@ -152,9 +158,7 @@ def after(
     before = known.values
     values, awaited = list(before), list(known.awaited)
     for instruction, action in zip(packet.instructions, packet.actions, strict=True):
-        executed = known.holds(instruction)
-        if executed is None:
-            executed = answers.holds(instruction.predicate)
+        executed = is_executed(instruction, known, answers)
         if executed is False:
             continue
         for register, value, delay in writes(action, before):

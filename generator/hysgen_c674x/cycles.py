@@ -192,8 +192,7 @@ class _Walk:
                 link = packet.next
             onward: list[_Place] = []
             for path in paths:
-                counted = place.known.holds(instruction)
-                executed = path.answers.holds(instruction.predicate) if counted is None else counted
+                executed = counters.is_executed(instruction, place.known, path.answers)
                 if executed is None:
                     self.data_dependent.add(instruction.address)
                 may = executed is not False and self._may_be_taken(instruction.address, path)
