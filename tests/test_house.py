@@ -97,7 +97,7 @@ def test_simulation_and_prediction_in_float64_import_the_model_alone() -> None:
 
 @pytest.mark.slow
 def test_a_name_of_the_interface_imports_what_it_needs() -> None:
-    everything = modules_after("import hysgen.api.code, hysgen.api.models")
+    everything = modules_after("import hysgen.api.code, hysgen.api.diagnosing")
     assert len(modules_after("import hysgen; hysgen.load_record")) < len(everything) / 4
     assert modules_after("import hysgen") == {"hysgen", "hysgen.upward"}
 
@@ -106,7 +106,7 @@ def test_a_name_of_the_interface_imports_what_it_needs() -> None:
 def test_the_demo_needs_the_product_alone(tmp_path: Path) -> None:
     """On the first rows of its record; `make run` takes all of them."""
     code = (
-        f"{WITHOUT}from hysgen.cli import main\nfrom hysgen.cli.verbs import diagnose as demo\n"
+        f"{WITHOUT}from hysgen.cli import main\nfrom hysgen.cli.verbs import demo\n"
         "text = ''.join(demo.bundled_csv().splitlines(keepends=True)[:6001])\n"
         "demo.bundled_csv, demo.IDENTIFICATION_ROWS = lambda: text, 4000\n"
         "sys.exit(main(['demo', '-o', 'out', '--samples', '2000']))"

@@ -10,9 +10,9 @@ from hysgen.api.code import prove as prove
 from hysgen.api.code import schema as schema
 from hysgen.api.code import verify as verify
 from hysgen.api.code import write_export as write_export
-from hysgen.api.models import diagnose as diagnose
-from hysgen.api.models import next_experiment as next_experiment
-from hysgen.api.models import page as page
+from hysgen.api.diagnosing import diagnose as diagnose
+from hysgen.api.diagnosing import next_experiment as next_experiment
+from hysgen.api.diagnosing import page as page
 from hysgen.api.models import certificates as certificates
 from hysgen.api.models import describe as describe
 from hysgen.api.models import design_loop as design_loop

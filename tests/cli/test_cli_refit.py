@@ -121,7 +121,7 @@ def test_refit_says_that_the_structure_no_longer_fits_and_what_it_lacks(
         study: Study = once_per_run("hum", hum_study)
         return study
 
-    monkeypatch.setattr("hysgen.api.models.diagnose_and_evaluate", known)
+    monkeypatch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", known)
     call = ["refit", f"{folder}/axis.json", f"{folder}/hum.csv", "-o", f"{tmp_path}/new.json"]
     assert main([*call, "--json", f"{tmp_path}/told.json"]) == 1
     told = json.loads((tmp_path / "told.json").read_text())

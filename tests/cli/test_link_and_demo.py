@@ -13,7 +13,7 @@ import pytest
 
 from hysgen.cli import main
 from hysgen.cli.console import Console
-from hysgen.cli.verbs import diagnose as demo
+from hysgen.cli.verbs import demo
 from hysgen.cli.verbs import firmware as verbs
 from hysgen.firmware.wire import LinkStatus, Request
 from hysgen.model.file import load_model
@@ -168,7 +168,7 @@ def test_the_demo_goes_the_whole_way_and_shows_each_command(
     monkeypatch.setattr(demo, "verify", lambda folder, samples, _: given.append((folder, samples)) or report)
     monkeypatch.setattr(demo, "cost", lambda folder: given.append(folder) or price)
     monkeypatch.setattr(demo, "cost_text", lambda *_: "the cost")
-    monkeypatch.setattr("hysgen.report.pages.diagnosis_page", page)
+    monkeypatch.setattr(demo, "diagnosis_page", page)
     monkeypatch.setattr(Console, "write_json", lambda _, result: results.append(result))
     assert main(["-q", "demo", "-o", "d", "--samples", "77"]) == (0 if equal else 1)
     (samples, identified), (code, compared), costed, (words, named) = given

@@ -52,7 +52,7 @@ def test_command_line_writes_json_of_a_record_with_corrupted_samples(
         np.testing.assert_array_equal(read.segments[0].y_um, spiked.segments[0].y_um)
         return evaluate(found, spiked, None, 0.65)
 
-    monkeypatch.setattr("hysgen.api.models.diagnose_and_evaluate", known)
+    monkeypatch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", known)
     segment = spiked.segments[0]
     columns = (spiked.Ts_s * np.arange(spiked.samples), segment.u_V, segment.y_um)
     rows = zip(*(column.tolist() for column in columns), strict=True)

@@ -12,7 +12,7 @@ from scipy.signal import StateSpace, cont2discrete, lfilter, lsim
 import hysgen
 from fixtures import soft_springs
 from fixtures.foreign_stages import EFFECTS, FAMILIES, foreign_record, repeating_record
-from hysgen.api.models import scored_extension
+from hysgen.api.diagnosing import scored_extension
 from hysgen.codegen import generate
 from hysgen.diagnosis import DiagnoseSettings, diagnose
 from hysgen.diagnosis.prepare import prepare

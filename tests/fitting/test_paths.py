@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fixtures.generated_models import relaxing
 from hysgen.api.code import _as_before, generate
-from hysgen.api.models import diagnose
+from hysgen.api.diagnosing import diagnose
 from hysgen.certify.certificates import certify
 from hysgen.codegen import Options
 from hysgen.codegen import generate as texts_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import DiagnoseSettings, Diagnosis, procedure
-from hysgen.machine.native import content_digest, forget, resumed, steps
+from hysgen.machine.cache import content_digest, forget, resumed, steps
 from hysgen.record import Record
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.signals import nested_amplitudes
@@ -17,7 +17,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of its own for the steps; compiled libraries stay where they are."""
     folder = tmp_path / "cache"
     folder.mkdir()
-    monkeypatch.setattr("hysgen.machine.native.cache_folder", lambda: folder)
+    monkeypatch.setattr("hysgen.machine.cache.cache_folder", lambda: folder)
     return folder
 
 

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from hysgen.diagnosis import diagnose
-from hysgen.machine.native import LruCache
+from hysgen.machine.cache import LruCache
 from hysgen.machine.processes import THREAD, in_processes, several_processes
 from hysgen.record import Record
 from hysgen_lab.stage import Stage

@@ -17,8 +17,9 @@ import pytest
 
 from hysgen.errors import BuildError, HysgenError
 from hysgen.machine import files, kernel_build, native, processes, reproducible
+from hysgen.machine.cache import LruCache
 from hysgen.machine.files import unsealed
-from hysgen.machine.native import LruCache, Toolchain, build, cached_object
+from hysgen.machine.native import Toolchain, build, cached_object
 
 # Builds
 
@@ -311,7 +312,7 @@ def test_a_spectral_radius_is_a_bound_of_nine_digits() -> None:
 def test_a_computation_that_cannot_be_written_is_an_error_of_the_cache_alone(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    cache = native
+    from hysgen.machine import cache
 
     def full(*_: object) -> None:
         raise HysgenError("full")

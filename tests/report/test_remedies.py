@@ -14,7 +14,7 @@ from hysgen.model.path.base import InputBlock
 from hysgen.model.path.delay import Delay
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.loop import Loop
-from hysgen.report.words import dotted, svg
+from hysgen.report.sketches import dotted, svg
 from hysgen_lab.studies.gallery import gallery
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -73,7 +73,7 @@ def written(
     def made() -> dict[str, bytes]:
         folder = tmp_path_factory.mktemp("hum")
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("hysgen.api.models.diagnose_and_evaluate", lambda *_, **__: hum)
+            patch.setattr("hysgen.api.diagnosing.diagnose_and_evaluate", lambda *_, **__: hum)
             patch.setattr("hysgen.cli.verbs.diagnose.read_records", lambda *_, **__: hum.record)
             patch.chdir(folder)
             call = ["diagnose", "hum.csv", "--report", "r.html", "--plots", "p", "--json", "d.json", "-o", "m.json"]

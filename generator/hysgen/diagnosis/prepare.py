@@ -24,8 +24,8 @@ from hysgen.diagnosis.extension import Correction, corrected
 from hysgen.diagnosis.probe import Operator, Scene, Trace
 from hysgen.errors import RecordError
 from hysgen.fitting.path import LATEST_COVERED, PathColumns
+from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels.operators import lag_states, play_operators
-from hysgen.machine.native import LruCache
 from hysgen.model.residual import EDGE
 from hysgen.record import Record, Segment
 from hysgen.record.checks import at_end

@@ -32,7 +32,7 @@ from hysgen.diagnosis.probe import rms
 from hysgen.diagnosis.score import present
 from hysgen.diagnosis.search import SearchResult, over_all_rows, search
 from hysgen.fitting import FitSettings
-from hysgen.machine.native import forget, resumed, steps
+from hysgen.machine.cache import forget, resumed, steps
 from hysgen.machine.processes import in_processes, one_blas_thread, several_processes
 from hysgen.model.model import Model
 from hysgen.model.remaining import LEAST_EVIDENCE, Remaining

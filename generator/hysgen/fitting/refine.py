@@ -35,8 +35,8 @@ from hysgen.fitting.least_squares import (
     penalties_at,
     windows,
 )
+from hysgen.machine.cache import LruCache
 from hysgen.machine.kernels import FreeRunSums, Rules, free_run_sums
-from hysgen.machine.native import LruCache
 from hysgen.model.disturbances import Drive
 from hysgen.model.model import Model
 from hysgen.model.regression import Starts, Structure, Trust, drives_of, full_trust, structure_of, term_regressors

@@ -45,7 +45,8 @@ from hysgen.report.plots.traces import (
     response_pictures,
     time_picture,
 )
-from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, svg, total_price, warnings
+from hysgen.report.sketches import svg
+from hysgen.report.words import CONFIDENCE, headline, in_one_sentence, parameter_text, total_price, warnings
 from hysgen.uncertainty.simulated import Characterisation
 
 COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)

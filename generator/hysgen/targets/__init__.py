@@ -1,6 +1,6 @@
 """Processors: one file each, found by listing the modules of this package and the entry points `hysgen.targets`.
 
-A target is a `Target` that a module here defines: what the verbs ask of a processor, which is cycles of an
+A target is a module that defines TARGET, a `Target`: what the verbs ask of a processor, which is cycles of an
 operation, a compiler, a simulator, kernels, an image. In another distribution an entry point names it:
 
     [project.entry-points."hysgen.targets"]
@@ -109,8 +109,7 @@ PACKAGES = {"c674x": "hysgen_c674x"}
 def targets() -> Mapping[str, Target]:
     """Every installed target by its name. Raises ValueError if two targets have the same name."""
     modules = sorted(module.name for module in pkgutil.iter_modules(__path__))
-    held = (item for name in modules for item in vars(importlib.import_module(f"{__name__}.{name}")).values())
-    present = [item for item in held if isinstance(item, Target)]
+    present = [getattr(importlib.import_module(f"{__name__}.{name}"), "TARGET", None) for name in modules]
     for entry in sorted(metadata.entry_points(group=GROUP)):
         try:
             present.append(entry.load())
@@ -119,7 +118,7 @@ def targets() -> Mapping[str, Target]:
                 raise
     registry: dict[str, Target] = {}
     for item in present:
-        if registry.setdefault(item.name, item) is not item:
+        if item is not None and registry.setdefault(item.name, item) is not item:
             raise ValueError(f"target {item.name!r}: two packages have it")
     return dict(sorted(registry.items()))
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.causes import causes
 from hysgen.diagnosis.remedy import Motion, Sketch
-from hysgen.report.words import svg
+from hysgen.report.sketches import svg
 from hysgen_lab.stage import Stage, run
 from hysgen_lab.stage.effects.memory import Curve
 

@@ -188,7 +188,7 @@ GROUPS: Mapping[str, Mapping[str, tuple[str, str]]] = {
         "link": ("firmware", "commands to running firmware: state, start, stop, reference, parameter images"),
     },
     "an example": {
-        "demo": ("diagnose", "the whole way on the bundled record"),
+        "demo": ("demo", "the whole way on the bundled record"),
     },
 }
 """Module and summary of each verb, by group, in the order of the work and of `hysgen --help`."""

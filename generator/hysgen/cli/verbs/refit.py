@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hysgen.api.code import generate_again, verify
-from hysgen.api.models import diagnose
+from hysgen.api.diagnosing import diagnose
 from hysgen.cli.console import Console
 from hysgen.cli.options import add_record_options, read_records
 from hysgen.cli.verbs import Output, Verb

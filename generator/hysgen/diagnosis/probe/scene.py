@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from hysgen.diagnosis.probe.chain import COMMON, Chain, Moments, Thinned, Trace, lagged, respond_into, respond_on_rows
 from hysgen.fitting.operator import LONG_PATH, Operator
+from hysgen.machine.cache import LruCache, Steps
 from hysgen.machine.kernels.operators import lag_sums
-from hysgen.machine.native import LruCache, Steps
 from hysgen.model.part import Extent, Part
 
 Floats = NDArray[np.float64]
