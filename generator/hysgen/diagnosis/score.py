@@ -228,8 +228,7 @@ def determined(scene: Scene, fit: Fit) -> float:
 @functools.lru_cache(maxsize=8)
 def _powers(scene: Scene, chain: Chain) -> Floats:
     """Eigenvalues of the Gram matrix of the columns of h on the rows."""
-    parts = [h[:, len(run.history) :] for run, h in zip(scene.runs, scene.hysteresis(chain), strict=True)]
-    columns = np.hstack(parts)[:, scene.rows]
+    columns = np.hstack([part.h for part in scene.hysteresis(chain)])[:, scene.rows]
     return np.asarray(np.maximum(np.linalg.eigvalsh(columns @ columns.T), 0.0))
 
 

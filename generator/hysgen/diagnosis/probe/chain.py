@@ -157,94 +157,95 @@ class Chain:
         return count
 
 
-@dataclass(frozen=True)
-class Thinned(Chain):
-    """A chain behind its hysteresis for samples `stride` periods Ts_s apart; modes above FASTEST respond at once.
+def respond(run: Trace, h: Driven, chain: Chain, Ts_s: float, rows: Rows | None = None) -> Floats:
+    """(m, n) response of slow states, modes, lag and delay to h of a run; in Fortran order on some rows, (m, r).
 
-    Its input at sample k, held for a stride, is h at k + ahead; h is a straight line between two samples. This makes
-    the response to a ramp exact:
+    y(k) depends on h(k-1), h(k-2), ..., and h(k) = h(0) for k < 0: every record has one sample of delay.
+    """
+    slow = chain.slow_states(run.whole * Ts_s)
+    branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, run.stride, Ts_s)
+    if slow is None or slow.amount == 0.0:
+        return _response(h.h, LinearPart(0.0, np.zeros(0), branches, whole), rows)
+    keep, coarse = 1.0 - slow.rates(Ts_s), run.stride > 1
+    seen = _response(h.h, LinearPart(2.0 * slow.amount, np.zeros(0) if coarse else keep, branches, whole), rows)
+    if not coarse and not len(run.history):
+        return seen
+    # The response of the slow states to their history is added behind the lag, which is much faster.
+    started, late = h.h[:, :1], 0.0
+    if coarse:
+        # Their response is straight over the time of the lag and is only late.
+        late, started = (chain.lag_s / Ts_s + chain.delay + 0.5) / run.stride, h.mean[:, :1]
+        taps, whole = _between(Branch(1.0, np.array([1.0, 0.0]), np.array([1.0, 0.0])), -late), math.ceil(late) - 1
+        seen += _response(h.mean, LinearPart(2.0 * slow.amount, keep**run.stride, [taps], whole, direct=0.0), rows)
+        seen -= started
+    ages, later = _fading(run, tuple(keep.tolist()), late)
+    moved = h.before[:, 1:] @ ages[:-1] + h.before[:, :1] * ages[-1] - started
+    seen += ((later if rows is None else later[:, rows]).T @ (slow.amount * moved).T).T
+    seen += slow.amount * len(keep) * (started - h.before[:, :1])
+    return seen
+
+
+@functools.lru_cache(maxsize=32)
+def _fading(run: Trace, keep: tuple[float, ...], late: float) -> tuple[Floats, Floats]:
+    """(a + 1, s) weights of h in the states s(k+1) = keep s(k) + (1 - keep) h(k) at the start of a run, for the ages
+    of its history and the time before the segment. And (s, n) what is left of the states at each sample, less late.
+    """
+    log_keep = np.log(keep)
+    left = _decayed(log_keep, run.history.ages).T
+    at = np.maximum(np.arange(len(run.u_V)) - late, 0.0)
+    return np.vstack([left[:-1] - left[1:], left[-1:]]), _decayed(run.stride * log_keep, at)
+
+
+def _decayed(rates: Floats, at: Floats | Samples) -> Floats:
+    """(m, k) exp(rate at), not below exp(-100): products of the smallest numbers of float64 take 100 times as long."""
+    return np.asarray(np.exp(np.maximum(np.multiply.outer(rates, at), -100.0)))
+
+
+def lagged(run: Trace, signals: Floats, chain: Chain, Ts_s: float, rows: Rows | None = None) -> Floats:
+    """(m, n) response of the lag and the delay alone to signals, (m, n), constant before their first sample.
+
+    rows: (r,) rising samples of the result, (m, r); None for all.
+    """
+    branches, whole = _branches(chain.lag_s, chain.delay, (), run.stride, Ts_s)
+    return _response(signals, LinearPart(0.0, np.zeros(0), branches, whole), rows)
+
+
+def _response(signals: Floats, linear: LinearPart, rows: Rows | None) -> Floats:
+    return linear_response(signals, linear) if rows is None else linear_response_rows(signals, linear, rows)
+
+
+@functools.lru_cache(maxsize=64)
+def _branches(
+    lag_s: float, delay: float, modes: tuple[Mode, ...], stride: int, Ts_s: float
+) -> tuple[tuple[Branch, ...], int]:
+    """Branches (lag with the share of no mode, lag with each mode) and the whole delay, for samples a stride apart.
+
+    Between the samples of a coarse run h is a straight line, modes above FASTEST respond at once, and the input at
+    sample k, held for a stride, is h at k + ahead, which makes the response to a ramp exact:
 
         ahead = 1 / (1 - a) + 1 / ln a - (delay + 1/2) / stride,    a = exp(-stride Ts / lag)
 
     1/2: an input that is held for a period is half a period behind the ramp.
     """
-
-    stride: int = 1
-    Ts_s: float = 1.0
-
-    @property
-    def modes(self) -> tuple[Mode, ...]:
-        return tuple(mode for mode in super().modes if mode.f_Hz * self.stride * self.Ts_s < FASTEST)
-
-    @property
-    def delay(self) -> float:
-        """0: `input` contains the delay."""
-        return 0.0
-
-    def slow_states(self, span_s: float) -> None:
-        """None: their response is straight over the time of the lag and is only late (`later`)."""
-
-    def input(self, h: Floats) -> Floats:
-        """(m, n) h at k + ahead."""
-        steps = self.stride * self.Ts_s / self.lag_s
-        return _at(h, -1.0 / math.expm1(-steps) - 1.0 / steps - (super().delay + 0.5) / self.stride)
-
-    def later(self, signal: Floats) -> Floats:
-        """(m, n) a signal whose course is straight over the time of the lag, late by lag, delay and half a period."""
-        return _at(signal, -(self.lag_s / self.Ts_s + super().delay + 0.5) / self.stride)
-
-
-def _at(signal: Floats, ahead: float) -> Floats:
-    """(m, n) the signal, (m, n), at k + ahead by straight lines; constant before and behind its samples."""
-    n, whole = signal.shape[1], math.floor(ahead)
-    at, share = np.arange(n) + whole, ahead - whole
-    return (1.0 - share) * signal[:, at.clip(0, n - 1)] + share * signal[:, (at + 1).clip(0, n - 1)]
-
-
-def respond_into(out: Floats, first: int, h: Floats, chain: Chain, Ts_s: float, whole_run: float = 0.0) -> None:
-    """Response of slow states, modes, lag and delay to h, (m, n), written to out[:, first : first + n].
-
-    y(k) depends on h(k-1), h(k-2), ..., and h(k) = h(0) for k < 0: every record has one sample of delay.
-    whole_run: samples of the segment of h, on which the slowest of the slow states depends; 0 for n.
-    """
-    linear_response(h, _linear_part(chain, Ts_s, whole_run or float(h.shape[-1])), out, first)
-
-
-def respond_on_rows(h: Floats, chain: Chain, Ts_s: float, rows: NDArray[np.intp]) -> Floats:
-    """(m, r) the samples `rows`, (r,) rising, of `respond_into` of h, (m, n); in Fortran order."""
-    return linear_response_rows(h, _linear_part(chain, Ts_s, float(h.shape[-1])), rows)
-
-
-def _linear_part(chain: Chain, Ts_s: float, samples: float) -> LinearPart:
-    """Slow states, modes, lag and delay of the chain. samples: length of the segment."""
-    slow = chain.slow_states(samples * Ts_s)
-    branches, whole = _branches(chain.lag_s, chain.delay, chain.modes, Ts_s)
-    if slow is None or slow.amount == 0.0:
-        return LinearPart(0.0, np.zeros(0), branches, whole)
-    return LinearPart(2.0 * slow.amount, 1.0 - slow.rates(Ts_s), branches, whole)
-
-
-def lagged(signals: Floats, lag_s: float, delay: float, Ts_s: float, rows: NDArray[np.intp] | None = None) -> Floats:
-    """(m, n) response of the lag and the delay alone to signals, (m, n), constant before their first sample.
-
-    rows: (r,) rising samples of the result, (m, r); None for all.
-    """
-    branches, whole = _branches(lag_s, delay, (), Ts_s)
-    linear = LinearPart(0.0, np.zeros(0), branches, whole)
-    if rows is not None:
-        return linear_response_rows(signals, linear, rows)
-    out = np.empty(signals.shape)
-    linear_response(signals, linear, out, 0)
-    return out
-
-
-def _branches(lag_s: float, delay: float, modes: Sequence[Mode], Ts_s: float) -> tuple[list[Branch], int]:
-    """Branches with the fractional delay (lag with the share of no mode, lag with each mode), and the whole delay."""
-    whole = math.floor(delay)
+    period_s, whole = stride * Ts_s, math.floor(delay)
     late = delay - whole
+    if stride > 1:
+        modes, late = tuple(mode for mode in modes if mode.f_Hz * period_s < FASTEST), 0.0
     stiff = 1.0 - sum(mode.share for mode in modes)
-    branches = [Branch(stiff, *_lag(lag_s, None, Ts_s, late))]
-    return branches + [Branch(mode.share, *_lag(lag_s, mode, Ts_s, late)) for mode in modes], whole
+    branches = [Branch(stiff, *_lag(lag_s, None, period_s, late))]
+    branches += [Branch(mode.share, *_lag(lag_s, mode, period_s, late)) for mode in modes]
+    if stride > 1:
+        steps = period_s / lag_s
+        ahead = -1.0 / math.expm1(-steps) - 1.0 / steps - (delay + 0.5) / stride
+        branches, whole = [_between(branch, ahead) for branch in branches], -math.floor(ahead) - 1
+    return tuple(branches), whole
+
+
+def _between(branch: Branch, ahead: float) -> Branch:
+    """The branch, whose last numerator is 0, for an input at k + ahead by straight lines, less floor(ahead) + 1."""
+    share = ahead - math.floor(ahead)
+    numerator = np.convolve(branch.numerator, [share, 1.0 - share])[: len(branch.numerator)]
+    return Branch(branch.share, numerator, branch.denominator)
 
 
 @functools.lru_cache(maxsize=64)
@@ -313,17 +314,9 @@ class History:
         """Samples of the segment before the run."""
         return int(self.held.sum())
 
-    def slow_states(self, h: Floats, keep: Floats) -> Floats:
-        """(m, s) states s(k+1) = keep s(k) + (1 - keep) h(k) at the start of the run, for h, (m, k).
-
-        Before the segment h is constant.
-        """
-        left = np.exp(self.ages[:, None] * np.log(keep))
-        return np.asarray(h[:, self.stand_for] @ (left[:-1] - left[1:]) + h[:, :1] * left[-1])
-
 
 _NONE: Samples = np.zeros(0, dtype=np.int64)
-NO_HISTORY = History(np.zeros(0), _NONE, _NONE, np.zeros(0, dtype=np.intp))
+NO_HISTORY = History(np.zeros(0), _NONE, np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.intp))
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,12 +347,33 @@ class Trace:
         at = np.arange(len(self.u_V)) if samples is None else samples
         return np.asarray(Ts_s * (self.history.samples + self.stride * at.astype(np.float64)))
 
-    def held(self, h: Floats, chain: Chain, Ts_s: float) -> tuple[Floats, Chain]:
-        """Input, (m, n), of the part of the chain behind the hysteresis for h, (m, n), and this part (`Thinned`)."""
-        if self.stride == 1:
-            return h, chain
-        thinned = Thinned(chain.lag_s, chain.parts, chain.memory, chain.curve, stride=self.stride, Ts_s=Ts_s)
-        return thinned.input(h), thinned
+
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """Signals of h that drive the linear part in a run.
+
+    signals: (m, k + n) in k samples of the history and in the run; h: (m, n) in the run. before: (m, 1 + a) at the
+    start of the segment, where h was constant until then, and at the samples that stand for the intervals of ages.
+    mean: (m, n) from each sample to the next, of a coarse run.
+    """
+
+    signals: Floats
+    h: Floats
+    before: Floats
+    mean: Floats
+
+    @classmethod
+    def of(cls, run: Trace, signals: Floats) -> Driven:
+        h, before = np.ascontiguousarray(signals[:, len(run.history) :]), signals[:, :1]
+        if len(run.history):
+            before = signals[:, np.append(0, run.history.stand_for)]
+        mean = h if run.stride == 1 else h + run.share * np.diff(h, axis=1, append=h[:, -1:])
+        return cls(signals, h, before, mean)
+
+    @property
+    def nbytes(self) -> int:
+        """Size of the arrays."""
+        return sum(array.nbytes for array in {id(array): array for array in vars(self).values()}.values())
 
 
 @dataclass(frozen=True, eq=False)

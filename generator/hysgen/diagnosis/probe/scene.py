@@ -10,10 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from hysgen.diagnosis.probe.chain import COMMON, Chain, Moments, Thinned, Trace, lagged, respond_into, respond_on_rows
+from hysgen.diagnosis.probe.chain import COMMON, Chain, Driven, Moments, Trace, lagged, respond
 from hysgen.fitting.operator import LONG_PATH, Operator
 from hysgen.machine.cache import LruCache, Steps
-from hysgen.machine.kernels.operators import lag_sums
 from hysgen.model.part import Extent, Part
 
 Floats = NDArray[np.float64]
@@ -55,7 +54,7 @@ class Scene:
     lost: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     thinned_from: Rows | None = None
     kept: Steps | None = field(default=None, repr=False)
-    _hysteresis: LruCache[list[Floats]] = field(
+    _hysteresis: LruCache[list[Driven]] = field(
         default_factory=lambda: LruCache(HYSTERESES, HYSTERESES_BYTES), repr=False
     )
     _parts: LruCache[list[Floats]] = field(default_factory=lambda: LruCache(PARTS), repr=False)
@@ -103,7 +102,7 @@ class Scene:
 
     def bare(self) -> Scene:
         """The scene with empty caches."""
-        empty: LruCache[list[Floats]] = LruCache(HYSTERESES, HYSTERESES_BYTES)
+        empty: LruCache[list[Driven]] = LruCache(HYSTERESES, HYSTERESES_BYTES)
         return dataclasses.replace(self, _hysteresis=empty, _parts=LruCache(PARTS), _on_rows=LruCache(PARTS))
 
     @property
@@ -141,12 +140,12 @@ class Scene:
             return dataclasses.replace(self.operator, relaxation=chain.relaxation)
         return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE if chain.curve else 1)
 
-    def hysteresis(self, chain: Chain) -> list[Floats]:
+    def hysteresis(self, chain: Chain) -> list[Driven]:
         """Columns of h for each run, (operator.size, k_i + n_i) with its history, for the chain's amplifier."""
         operator = self._operator(chain)
 
-        def columns(run: Trace) -> Floats:
-            return self._path(run, chain, lambda v_V: operator.columns(v_V, run.start))
+        def columns(run: Trace) -> Driven:
+            return Driven.of(run, self._path(run, chain, lambda v_V: operator.columns(v_V, run.start)))
 
         return self._hysteresis.get(
             (chain.memory, chain.curve, chain.amplifier), lambda: [columns(run) for run in self.runs]
@@ -159,41 +158,39 @@ class Scene:
         out[size:] = self.added_columns(chain)
         first = 0
         for i, (run, h) in enumerate(zip(self.runs, self.hysteresis(chain), strict=True)):
-            self._respond_into(out[:size], first, run, h, chain)
-            self._fade(out[:size, first : first + len(run.u_V)], i, chain, h[:, 0])
+            out[:size, first : first + len(run.u_V)] = respond(run, h, chain, self.Ts_s)
+            self._fade(out[:size, first : first + len(run.u_V)], i, chain, h.before[:, 0])
             self._age(out[:size, first : first + len(run.u_V)], run.time_s(self.Ts_s), chain)
             first += len(run.u_V)
         return out
 
     def training_columns(self, chain: Chain) -> Floats:
-        """(p, r) the training rows of `columns`, computed without the other rows where no run has a history.
+        """(p, r) the training rows of `columns`, computed without the other rows.
 
         In Fortran order, as an array indexed by rows is: sums over the rows depend on the order in their last bits.
         """
-        if not self.complete:
-            return self.columns(chain)[:, self.rows]
         every = slice(0, self.hysteresis_size(chain))
         return self._training_columns(chain, ([(every, h)] for h in self.hysteresis(chain)))
 
     def training_columns_once(self, chain: Chain) -> Floats:
-        """`training_columns` where no run has a history; columns of h are formed a few at a time and not kept."""
+        """`training_columns`; columns of h are formed a few at a time and not kept."""
         groups = list(self._operator(chain).groups())
 
-        def few(run: Trace) -> Iterator[tuple[slice, Floats]]:
+        def few(run: Trace) -> Iterator[tuple[slice, Driven]]:
             for at, formed in groups:
-                yield at, self._path(run, chain, partial(formed, start=run.start))
+                yield at, Driven.of(run, self._path(run, chain, partial(formed, start=run.start)))
 
         return self._training_columns(chain, map(few, self.runs))
 
-    def _training_columns(self, chain: Chain, h_of_runs: Iterable[Iterable[tuple[slice, Floats]]]) -> Floats:
+    def _training_columns(self, chain: Chain, h_of_runs: Iterable[Iterable[tuple[slice, Driven]]]) -> Floats:
         """`training_columns` from some columns of h after the other, of each run, and their places."""
         size = self.hysteresis_size(chain)
         out, start = np.empty((len(self.rows), size + self._added_size(chain))).T, np.empty(size)
         for i, (run, parts) in enumerate(zip(self.runs, h_of_runs, strict=True)):
             here, inside = self._rows_of(i)
             for at, h in parts:
-                out[at, here] = respond_on_rows(h, chain, self.Ts_s, inside)
-                start[at] = h[:, 0]
+                out[at, here] = respond(run, h, chain, self.Ts_s, inside)
+                start[at] = h.before[:, 0]
             self._fade(out[:size, here], i, chain, start, inside)
             self._age(out[:size, here], run.time_s(self.Ts_s, inside), chain)
             out[size, here] = 1.0
@@ -211,31 +208,6 @@ class Scene:
         first = sum(len(run.u_V) for run in self.runs[:i])
         low, high = np.searchsorted(self.rows, (first, first + len(self.runs[i].u_V)))
         return slice(low, high), self.rows[low:high] - first
-
-    def _respond_into(self, out: Floats, first: int, run: Trace, h: Floats, chain: Chain) -> None:
-        """Response of the linear part to h, (m, k + n), on the samples of the run: out[:, first : first + n].
-
-        The response of the slow states to their history is added behind the lag, which is much faster.
-        """
-        past, n = len(run.history), len(run.u_V)
-        slow = chain.slow_states(run.whole * self.Ts_s)
-        held, linear = run.held(h[:, past:], chain, self.Ts_s)
-        held = np.ascontiguousarray(held)
-        respond_into(out, first, held, linear, self.Ts_s * run.stride, run.whole)
-        if slow is None or slow.amount == 0.0 or (run.stride == 1 and not past):
-            return
-        keep = 1.0 - slow.rates(self.Ts_s)
-        states = run.history.slow_states(h[:, :past], keep) if past else np.tile(h[:, :1], len(keep))
-        if isinstance(linear, Thinned):
-            rates = 1.0 - keep**run.stride
-            means = h[:, past:] + run.share * np.diff(h[:, past:], axis=1, append=h[:, -1:])
-            crept = [lag_sums(mean, rates, start) for mean, start in zip(means, states, strict=True)]
-            moved = linear.later(np.stack(crept))
-        else:
-            # `respond_into` starts from rest at h of the first sample and counts the slow states from there.
-            rest = held[:, :1]
-            moved = (states - rest) @ np.exp(np.log(keep)[:, None] * np.arange(n)) + len(keep) * rest
-        out[:, first : first + n] += slow.amount * (moved - len(keep) * h[:, :1])
 
     def _fade(
         self,
@@ -283,16 +255,14 @@ class Scene:
 
     def responses(self, paths: Sequence[Floats], chain: Chain) -> list[Floats]:
         """Response of the linear part of the chain, from rest, to `paths` (`Scene.paths`), (n_i,) for each run."""
-        found = []
-        for run, path in zip(self.runs, paths, strict=True):
-            out = np.empty((1, len(run.u_V)))
-            self._respond_into(out, 0, run, path[None], chain)
-            found.append(out[0])
-        return found
+        return [
+            respond(run, Driven.of(run, path[None]), chain, self.Ts_s)[0]
+            for run, path in zip(self.runs, paths, strict=True)
+        ]
 
     def paths(self, chain: Chain, weights: Floats) -> list[Floats]:
         """h of every run, (k_i + n_i,) with its history, for the weights of a fit: the input of the linear part."""
-        return [weights[: len(h)] @ h for h in self.hysteresis(chain)]
+        return [weights[: len(h.signals)] @ h.signals for h in self.hysteresis(chain)]
 
     def moved_paths(self, chain: Chain, weights: Floats) -> list[Floats]:
         """`paths` of a chain whose columns of h nobody else needs: they are not formed."""
@@ -314,14 +284,12 @@ class Scene:
         return np.concatenate(parts) + self._added_um(chain, weights[size:])
 
     def seen_on_rows(self, paths: Sequence[Floats], chain: Chain, weights: Floats) -> Floats:
-        """(r,) the training rows of `seen`, computed without the other rows where no run has a history."""
-        if not self.complete:
-            return self.seen(paths, chain, weights)[self.rows]
+        """(r,) the training rows of `seen`, computed without the other rows."""
         size = self.hysteresis_size(chain)
         out = np.full(len(self.rows), weights[size])
         for i, (run, path) in enumerate(zip(self.runs, paths, strict=True)):
             here, inside = self._rows_of(i)
-            part = respond_on_rows(path[None], chain, self.Ts_s, inside)[0]
+            part = respond(run, Driven.of(run, path[None]), chain, self.Ts_s, inside)[0]
             self._fade(part[None], i, chain, path[:1], inside, weights[:size])
             self._age(part, run.time_s(self.Ts_s, inside), chain, weights[:size])
             out[here] += part
@@ -391,7 +359,7 @@ class Scene:
         run = self.runs[i]
         return self._parts.get(
             (i, part.cause, part.columns_depend_on(chain.lag_s, chain.delay)),
-            lambda: part.columns(run, self.extent, lambda signal: self._lagged(signal[None], run, chain)[0]),
+            lambda: part.columns(run, self.extent, lambda signal: lagged(run, signal[None], chain, self.Ts_s)[0]),
         )
 
     def _added_on_rows(self, i: int, inside: Rows, chain: Chain) -> list[Floats]:
@@ -410,11 +378,6 @@ class Scene:
                 found += self._on_rows.get(key, lambda part=part: on_rows(part))  # type: ignore[misc]
         return found
 
-    def _lagged(self, signals: Floats, run: Trace, chain: Chain, rows: Rows | None = None) -> Floats:
-        """(m, n) signals behind the lag and the delay of the chain; on some samples, (m, k), if rows are given."""
-        held, linear = run.held(signals, chain, self.Ts_s)
-        return lagged(held, linear.lag_s, linear.delay, self.Ts_s * run.stride, rows)
-
     def _curve_columns(self, run: Trace, chain: Chain, rows: Rows | None) -> list[Floats]:
         """COMMON - 1 columns, (n,) each, of a sensor with a curve: what it shows of a lag behind the ceramic's curve.
 
@@ -425,5 +388,5 @@ class Scene:
         rows: samples of the result; None for all.
         """
         v = (chain.amplified(run.u_V, self.Ts_s * run.stride) - self.extent.middle_V) / self.extent.half_V
-        first, second, third = self._lagged(np.stack([v, v * v, v * v * v]), run, chain, rows)
+        first, second, third = lagged(run, np.stack([v, v * v, v * v * v]), chain, self.Ts_s, rows)
         return [first * first - second, first * second - third]

@@ -42,7 +42,7 @@ def lag_of_signals(signals: Floats, rate: float, rows: NDArray[np.intp]) -> Floa
     signals: (m, n); rows: (r,) rising. Returns (m, r): column i holds s_l(k) at k = rows[i], before u_l(k) acts, with
     the bits of `lag_states`. Raises ValueError for rows outside the signals.
     """
-    if len(rows) and not (rows[0] >= 0 and rows[-1] < signals.shape[1] and bool((np.diff(rows) > 0).all())):
+    if len(rows) and not (rows[0] >= 0 and rows[-1] < signals.shape[1] and bool((rows[1:] > rows[:-1]).all())):
         raise ValueError("the rows must rise within the samples of the signals")
     u, chosen = np.ascontiguousarray(signals, dtype=np.float64), np.ascontiguousarray(rows, dtype=np.int64)
     out = np.empty((len(u), len(chosen)))
@@ -137,7 +137,7 @@ class Branch:
 class LinearPart:
     """Creep, then parallel filters F_j, then a delay.
 
-        c(k) = x(k) + creep sum_i s_i(k) / 2,    s_i(k+1) = (1 - decay_i) x(k) + decay_i s_i(k),    x = h - h(0)
+        c(k) = direct x(k) + creep sum_i s_i(k) / 2,    s_i(k+1) = (1 - decay_i) x(k) + decay_i s_i(k),    x = h - h(0)
         y(k) = h(0) + sum_j F_j c(k - delay)
 
     decay: (states,), exp(-Ts/tau_i). delay: in samples; with a negative delay the last value is held at the end.
@@ -148,6 +148,7 @@ class LinearPart:
     decay: Floats
     branches: Sequence[Branch]
     delay: int
+    direct: float = 1.0
 
     def __post_init__(self) -> None:
         if len(self.decay) > MOST_STATES or not 1 <= len(self.branches) <= MOST_BRANCHES:
@@ -160,17 +161,11 @@ class LinearPart:
                 )
 
 
-def linear_response(h: Floats, linear: LinearPart, out: Floats, first: int = 0) -> None:
-    """Write the response of `linear` to each row of h, (m, n), to out[:, first : first + n], (m, >= first + n).
-
-    Before the record the input rested at h(0). Raises ValueError if `out` has the wrong shape.
-    """
-    columns, samples = h.shape
-    fits = out.ndim == 2 and len(out) == columns and 0 <= first <= out.shape[1] - samples
-    if not fits or not out.flags.c_contiguous:
-        raise ValueError("the result needs a row for each row of h, and room for its samples")
-    with_h = _response_arguments(h, linear)
-    call("response.c", "hysgen_respond", *with_h, out.shape[1], out.reshape(-1)[first:])
+def linear_response(h: Floats, linear: LinearPart) -> Floats:
+    """(m, n) response of `linear` to each row of h, (m, n). Before the record the input rested at h(0)."""
+    out = np.empty(h.shape)
+    call("response.c", "hysgen_respond", *_response_arguments(h, linear), h.shape[1], out)
+    return out
 
 
 def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64]) -> Floats:
@@ -179,7 +174,7 @@ def linear_response_rows(h: Floats, linear: LinearPart, rows: NDArray[np.int64])
     The result is in Fortran order, as h[:, rows] is. Raises ValueError for rows outside h.
     """
     columns, samples = h.shape
-    if len(rows) and not (rows[0] >= 0 and rows[-1] < samples and bool((np.diff(rows) > 0).all())):
+    if len(rows) and not (rows[0] >= 0 and rows[-1] < samples and bool((rows[1:] > rows[:-1]).all())):
         raise ValueError("the rows must rise within the samples of h")
     out = np.empty((len(rows), columns))
     with_h = _response_arguments(h, linear)
@@ -200,6 +195,7 @@ def _response_arguments(h: Floats, linear: LinearPart) -> tuple[Any, ...]:
         *h.shape,
         np.ascontiguousarray(h),
         len(linear.decay),
+        linear.direct,
         linear.creep,
         np.ascontiguousarray(linear.decay),
         1.0 - linear.decay,

@@ -1,6 +1,6 @@
 /* The linear part of a stage over many columns at once, float64: slow states, then parallel filters, then a delay.
  *
- *     c(k)   = x(k) + creep * sum_i s_i(k) / 2,          x(k) = h(k) - h(0)
+ *     c(k)   = direct x(k) + creep * sum_i s_i(k) / 2,          x(k) = h(k) - h(0)
  *     s_i(k+1) = intake_i x(k) + decay_i s_i(k),         s_i(0) = 0
  *     y(k)   = h(0) + sum_j share_j F_j c(k - delay)
  *
@@ -30,7 +30,7 @@ enum { BLOCK = 32, TOGETHER = 3 };
 
 struct linear {
     size_t states;
-    double creep;
+    double direct, creep;
     const double *decay, *intake;
     size_t branches;
     const double *share;
@@ -74,7 +74,7 @@ INLINE void slow_states(const struct linear *linear, size_t first, const size_t 
     }
 }
 
-/* crept(k) = x(k) + creep * sum_i s_i(k) / 2 of n samples. */
+/* crept(k) = direct x(k) + creep * sum_i s_i(k) / 2 of n samples. */
 INLINE void creep(const struct linear *linear, const size_t vectors, size_t n, struct pass *at)
 {
     for (size_t k = 0; k < n; k++) {
@@ -91,7 +91,7 @@ INLINE void creep(const struct linear *linear, const size_t vectors, size_t n, s
     }
     for (size_t k = 0; k < n; k++) {
         for (size_t v = 0; v < vectors; v++) {
-            at->crept[k][v] = at->x[k][v] + linear->creep * (0.5 * at->crept[k][v]);
+            at->crept[k][v] = linear->direct * at->x[k][v] + linear->creep * (0.5 * at->crept[k][v]);
         }
     }
 }
@@ -253,23 +253,23 @@ WIDEST static void pass(const struct linear *linear, size_t columns, size_t samp
 }
 
 /* Column m of h starts at h[m * samples], column m of the result at out[m * row]. */
-void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double creep, const double *decay,
+void hysgen_respond(size_t columns, size_t samples, const double *h, size_t states, double direct, double creep, const double *decay,
                     const double *intake, size_t branches, const double *share, const size_t *order,
                     const double *numerator, const double *denominator, long delay, size_t row, double *out)
 {
-    const struct linear linear = {states, creep, decay, intake, branches, share, order, numerator, denominator};
+    const struct linear linear = {states, direct, creep, decay, intake, branches, share, order, numerator, denominator};
     const struct written every = {samples, NULL, row, 1};
 
     pass(&linear, columns, samples, h, delay, &every, out);
 }
 
 /* The same for some samples: sample rows[i] of column m at out[m * row + i * sample], i < count, rows rising. */
-void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double creep,
+void hysgen_respond_rows(size_t columns, size_t samples, const double *h, size_t states, double direct, double creep,
                          const double *decay, const double *intake, size_t branches, const double *share,
                          const size_t *order, const double *numerator, const double *denominator, long delay,
                          size_t count, const int64_t *rows, size_t row, size_t sample, double *out)
 {
-    const struct linear linear = {states, creep, decay, intake, branches, share, order, numerator, denominator};
+    const struct linear linear = {states, direct, creep, decay, intake, branches, share, order, numerator, denominator};
     const struct written written = {count, rows, row, sample};
 
     pass(&linear, columns, samples, h, delay, &written, out);

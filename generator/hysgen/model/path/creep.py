@@ -55,6 +55,7 @@ class Creep(InputBlock):
             raise ValueError("amount must be above -1 over the number of states")
 
     @classmethod
+    @functools.lru_cache(maxsize=64)
     def logarithmic(cls, per_decade: float, from_s: float, to_s: float, states: int = 1) -> Self:
         """Creep by the share `per_decade` of a step in each decade of time from from_s to to_s, by `states` states."""
         count = max(1, math.ceil(states * math.log10(to_s / from_s)))
@@ -62,7 +63,7 @@ class Creep(InputBlock):
 
     def rates(self, Ts_s: float) -> Floats:
         """(m,) a_i: the part of the distance to x that a state moves in one sample."""
-        return np.array([-expm1(-Ts_s / tau) for tau in self.tau_s])
+        return _rates(self.tau_s, Ts_s)
 
     def describe(self) -> str:
         tau = self.tau_s
@@ -128,6 +129,13 @@ class Creep(InputBlock):
     def examples(cls, rng: np.random.Generator) -> tuple[Self, ...]:
         tau = np.geomspace(1e-3, 10.0, 4) * rng.uniform(0.7, 1.3)
         return (cls(float(rng.uniform(0.005, 0.03)), tuple(tau.tolist())),)
+
+
+@functools.lru_cache(maxsize=64)
+def _rates(tau_s: tuple[float, ...], Ts_s: float) -> Floats:
+    rates = np.array([-expm1(-Ts_s / tau) for tau in tau_s])
+    rates.flags.writeable = False
+    return rates
 
 
 @functools.lru_cache(maxsize=64)
