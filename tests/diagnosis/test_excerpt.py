@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from hysgen.diagnosis.causes import Residual, causes
 from hysgen.diagnosis.causes.aging import AgingPart
 from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
@@ -157,3 +158,13 @@ def test_a_small_chirp_that_rings_a_mode_is_in_a_block(whole: Scene) -> None:
     blocks = excerpt(long_scene(u_V, left_um), 3.0)
     seen = np.round(blocks.time_s[: sum(len(run.u_V) for run in blocks.runs if run.stride == 1)] / TS_S)
     assert np.isin(at[rings], seen).sum() > 800
+
+
+def test_the_lines_of_a_long_record_are_proposed_from_its_blocks(whole: Scene) -> None:
+    time_s = TS_S * np.arange(SAMPLES)
+    y_um = 0.1 * whole.runs[0].u_V + 1e-3 * np.random.default_rng(8).normal(size=SAMPLES)
+    y_um += 0.010 * np.sin(2.0 * np.pi * 50.3 * time_s) + 0.004 * np.sin(2.0 * np.pi * 120.1 * time_s)
+    blocks = excerpt(long_scene(whole.runs[0].u_V, y_um), 3.0)
+    for parts, line_Hz in (((), 50.3), ((Periodic((50.3,)),), 120.1)):
+        first = causes()["periodic"].proposals(Residual(blocks, linear_fit(blocks, Chain(1e-4, parts))))[0]
+        assert first.of(Periodic).f_Hz[-1] == pytest.approx(line_Hz, abs=0.1 / whole.span_s)
