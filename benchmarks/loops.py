@@ -212,6 +212,10 @@ def played(stage: Plant, u_V: Floats) -> Floats:
 TASKS = (("sine", 50.0), ("sine", 100.0), ("triangle", 1000.0), ("scan", 50.0), ("steps", 20.0))
 """Form and frequency in Hz of each task: two sines, a fast triangle, a raster with flyback, a staircase."""
 
+RATE_V = {0: 2.0}
+"""Largest change of the voltage in a sample by number of modes: the amplifier of the laboratory stage. The record does
+not show it; its data sheet does, so waveforms are made for it (`--slew`)."""
+
 NOISE_UM, REPEATS = 5e-4, 10
 
 
@@ -225,9 +229,6 @@ def record_of(modes: int, draw: int = 99) -> hysgen.Record:
     u_V = middle_V + half_V * np.clip(share, -1.0, 1.0)
     return hysgen.Record.from_arrays(u_V, played(stage, u_V), TS_S, source="stage")
 
-
-RATE_V = {0: 2.0}
-"""Largest change of the voltage in a sample by number of modes: the amplifier of the laboratory stage."""
 
 ROUNDS, AHEAD, WEIGHT = 30, 400, 10.0
 """Rounds of `least_within`, samples before the reference whose voltage is free, and the first weight, in squares of the
@@ -280,13 +281,14 @@ def least_within(modes: int, wanted: Floats, u_V: Floats) -> Floats:
     return best[2]
 
 
-def followed(model: Model, actuator: Plant, wanted: Floats) -> Floats:
+def followed(model: Model, actuator: Plant, wanted: Floats, slew_V_s: float | None) -> Floats:
     """(n,) readings along a reference, by the emitted inverse and a loop around it; the loop closes at rest, before.
 
     Its residual is that from what can be reached: what the limits leave is no error of the stage.
     """
     ahead = preview(model.blocks) + 1
-    plan = hysgen.waveform(model, np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])]))
+    held = np.concatenate([np.full(3000, wanted[0]), wanted, np.full(ahead, wanted[-1])])
+    plan = hysgen.waveform(model, held, slew_V_s=slew_V_s)
     course = np.concatenate([np.full(plan.lead, wanted[0]), plan.y_um])
     asked_um, first_V = plan.asked_um.astype(np.float32), plan.u_V[:1].astype(np.float32)
     played(actuator, np.full(10, first_V[0]))
@@ -318,12 +320,13 @@ def table(modes: int, record: hysgen.Record, model: Model) -> None:
     """Rms and largest error in nm of every task by every method, and the rms of the part that repeats."""
     paper, straight, loop = hysgen.fit(record), fit_proportional(record), hysgen.design_loop(model)
     print(loop)
+    slew_V_s = RATE_V[modes] / TS_S if modes in RATE_V else None
     by_hand = 2.0 * math.pi * loop.certificate.without_inverse_Hz * TS_S
     for form, f_Hz in TASKS:
         amplitude_um, centre_um = plant(modes, 0).middle
         amplitude_um *= 1.0 if f_Hz < 500.0 else 0.05
         shape = hysgen.Form(amplitude_um, centre_um, f_Hz, max(2.0, round(0.04 * f_Hz)))
-        plan = hysgen.waveform(model, form, shape, loop=True)
+        plan = hysgen.waveform(model, form, shape, loop=True, slew_V_s=slew_V_s)
         wanted, row = plan.reference.values, dict[str, tuple[Floats, ...]]()
 
         def play(u_V: Floats, repeat: int = 0, noisy: bool = True) -> Floats:
@@ -335,7 +338,7 @@ def table(modes: int, record: hysgen.Record, model: Model) -> None:
         ratio = np.append(straight.inverse(wanted), 0.0)[: wanted.size]
         ratio[-1] = ratio[-2]
         row["proportional"] = errors(ratio)
-        other = hysgen.waveform(paper, form, shape)
+        other = hysgen.waveform(paper, form, shape, slew_V_s=slew_V_s)
         row["paper's inverse"] = errors(other.u_V, other.lead)
         row["by hand"] = tuple(by_hand_errors(plant(modes, 1, quiet), ratio, wanted, by_hand / 0.1) for quiet in (1, 0))
         plays = []
@@ -344,10 +347,10 @@ def table(modes: int, record: hysgen.Record, model: Model) -> None:
                 row[f"learnt {repeat}" if repeat else "feed-forward"] = errors(plan.u_V, plan.lead)
             segment = Segment("0", plan.u_V, play(plan.u_V, repeat), {}, plan.start_s)
             plays.append(hysgen.Record.from_segments([segment], TS_S, "played"))
-            plan = hysgen.waveform(model, form, shape, loop=True, plays=plays)
+            plan = hysgen.waveform(model, form, shape, loop=True, slew_V_s=slew_V_s, plays=plays)
         looped = loop.around(model)
         row["designed loop"] = tuple(
-            followed(looped, plant(modes, 1, noisy), wanted) - wanted for noisy in (True, False)
+            followed(looped, plant(modes, 1, noisy), wanted, slew_V_s) - wanted for noisy in (True, False)
         )
         row["limits"] = (least_within(modes, wanted, plan.u_V),) * 2
         texts = (

@@ -5,6 +5,7 @@ from itertools import accumulate
 
 import numpy as np
 import pytest
+from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
 
 import hysgen
@@ -145,6 +146,31 @@ def test_a_corner_that_a_limit_hides_from_the_model_is_left_and_the_rest_learnt(
     assert rms(errors[-1][errors[-1].size // 4 :]) < 1.5 * noise_um
     assert plan.learning is not None
     assert plan.learning.stays_um == pytest.approx(rms(errors[-1]), rel=0.3)
+
+
+def test_inside_stated_limits_learning_ends_at_the_least_that_they_leave() -> None:
+    """Steps of 1 um that the amplifier's 0.25 V a sample cannot follow, on a stage whose gain is 3 % larger."""
+    keep, slew_V, noise_um = np.exp(-0.1), 0.25, 5e-4
+    rules = np.tile([keep, 1.0 - keep, 0.0], (4, 1))
+    own = Model("slow", 2e-5, Grid(-40.0, 140.0, 4), rules, -20.0, 120.0)
+    wanted = np.repeat([10.0, 11.0, 13.0, 12.0], 100)
+
+    def answer(u_V: np.ndarray) -> np.ndarray:
+        return np.asarray(10.0 + 1.03 * (own.simulate(u_V) - 10.0))
+
+    plan = hysgen.waveform(own, wanted, slew_V_s=slew_V / 2e-5)
+    moves = np.tril(np.ones((wanted.size - 1, wanted.size - 1)))
+    steps = [answer(np.append(10.0, 10.0 + 0.1 * row))[-wanted.size + 1 :] - 10.0 for row in moves.T]
+    best = lsq_linear(np.transpose(steps) / 0.1, wanted[1:] - 10.0, (-slew_V, slew_V))
+    least_um = np.sqrt(2.0 * best.cost / wanted.size)
+    rng, plays, errors = np.random.default_rng(4), [], []
+    for _ in range(5):
+        y_um = answer(plan.u_V)
+        errors.append(rms(y_um[plan.lead :] - wanted))
+        plays.append(played(plan, y_um + rng.normal(0.0, noise_um, y_um.size)))
+        plan = hysgen.waveform(own, wanted, slew_V_s=slew_V / 2e-5, plays=plays)
+    assert errors[0] > least_um + 5.0 * noise_um
+    assert max(errors[3:]) < least_um + 1.5 * noise_um
 
 
 def test_an_error_where_the_stage_hardly_passes_is_left_and_said() -> None:

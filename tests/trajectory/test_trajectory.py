@@ -117,7 +117,8 @@ def test_the_limits_hold_and_the_largest_error_is_the_least(
     assert limits.broken(plan.u_V, TS_S) == ()
     assert "slew" in plan.broken
     assert plan.clipped_um is not None
-    assert plan.largest_um <= plan.clipped_um
+    # The mean square stands beside the largest error in what is made least.
+    assert plan.largest_um <= 1.01 * plan.clipped_um
     least_um = least_largest_error(model, plan.lead, wanted, limits, float(plan.u_V[0]))
     assert plan.largest_um <= 1.03 * least_um + 1e-6
 

@@ -8,16 +8,21 @@ the model, so a stage P' whose model is P leaves (1 - Q T) e, T = P'/P, noise ap
     Q = q (1 - s^2/S_e), 0 where S_e < NOISE_FACTOR s^2        S_e(f): power of e near f, s^2: of what does not repeat
     q = min(mean Re T/mean |T|^2, MOST min Re T/|T|^2)         over draws of the uncertainty of the model
 
-q leaves least in the mean square, as far as every draw leaves less than there was; 0 where there is none, where the
-stage hardly passes, and where a repeat made the error grow. Where all of Q is 0, there is nothing to learn. At times
-where two repeats did not lower the error, and at most times did, as behind a limit that the model lacks,
-e and m are those of the repeat with the least error there, and e is not learnt.
+q leaves least in the mean square, as far as every draw leaves less than there was. Where the stage passes the share g
+of what it passes at rest, mending e moves the voltage by e/g, and hystereses with it; as far as plays showed that they
+move otherwise than the model says, by the share p of what a voltage moves at rest, q is divided by 1 + (p/g)^2, which
+makes (1 - q)^2 e^2 + (q p e/g)^2 least. q is 0 where there is none, where the stage hardly passes, and where a repeat
+made the error grow beyond what the model foresaw: inside limits that bind, the voltage of least mean square lets some
+grow. Where all of Q is 0, there is nothing to learn. At times where two repeats did not lower the error that they were
+to lower, and at most times did, as behind a limit that the model lacks, e and m are those of the repeat with the least
+error there, and e is not learnt.
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import scipy  # its parts are imported where they work
@@ -30,6 +35,7 @@ from hysgen.feedback.stage import Uncertainty, draws, frequencies, response
 from hysgen.feedback.stage import stage as stage_of
 from hysgen.model.model import Model
 from hysgen.model.residual import residual_noise
+from hysgen.model.simulate import rest_um
 from hysgen.record import Record
 from hysgen.trajectory.inverse import own_response
 from hysgen.trajectory.limits import Limits, limits_of
@@ -52,6 +58,10 @@ LEAST_GAIN = 0.02
 
 GROWN = 1.2
 """Factor by which the power of an error has grown near a frequency where learning made it worse."""
+
+FORESEEN = 0.9
+"""Share of the mean square near a time that a repeat was to leave, by the model, above which it does not matter that it
+did not lower it: limits that the model knows leave it."""
 
 NEAR = 1 / 16
 """Share of a repeat to both sides of a time over which an error is averaged: long beside lag and ringing of a stage
@@ -103,17 +113,22 @@ def learn(
     repeated = sum(counts) - len(counts)
     noise_um = math.sqrt(scatter / repeated if repeated else min([residual_noise(errors[-1]) ** 2, *changes]))
     base = len(rms) - 1 if rms[-1] <= WORSE * min(rms) else int(np.argmin(rms))
-    weights, trust = _by_time(errors, base, noise_um)
+    # What each voltage but the first was to leave, by the model, of the error before it: limits leave much.
+    moved = [np.zeros(n), *(later - earlier for earlier, later in pairwise(answers))]
+    foreseen = [e - change for e, change in zip([errors[0], *errors], moved, strict=False)]
+    weights, trust = _by_time(errors, foreseen, base, noise_um)
     spectra = [np.asarray(dct(trust * e, norm="ortho")) for e in errors]
     from_um, error_um = (np.sum(weights * courses, axis=0) for courses in (answers, errors))
     spectrum = np.asarray(dct(trust * error_um, norm="ortho"))
     power, noise = _power(spectrum), noise_um**2 / counts[base]
-    share, remains = converging(model, np.arange(n) / (2.0 * n * model.Ts_s))
+    share, remains, gain = converging(model, np.arange(n) / (2.0 * n * model.Ts_s))
+    share /= 1.0 + (_unforeseen(model, volts, answers, missed, noise_um) / gain) ** 2
     least = _power(spectra[0])
     for late, by in pairs:
-        change = trust * (answers[late] - answers[late - 1])
-        moved, unseen = _power(dct(change, norm="ortho")), NOISE_FACTOR * noise_um**2 * by
-        share[(moved > unseen) & (_power(spectra[late]) > GROWN * least + unseen)] = 0.0
+        change, promised = (_power(dct(trust * course[late], norm="ortho")) for course in (moved, foreseen))
+        unseen = NOISE_FACTOR * noise_um**2 * by
+        worse = _power(spectra[late]) > GROWN * np.maximum(least, promised) + unseen
+        share[(change > unseen) & worse] = 0.0
         least = np.minimum(least, _power(spectra[late]))
     # Over a whole repeat, above the noise and but for a constant.
     wrong = float(np.var(missed[base])) - noise_um**2 > TRUSTED**2 * float(np.var(answers[base]))
@@ -128,14 +143,14 @@ def learn(
         1.0 if wrong else math.sqrt(np.sum(remains[learnt] ** 2 * power[learnt]) / max(np.sum(power[learnt]), 1e-300))
     )
     learning = Learning(tuple(rms), noise_um, base + 1, highest, leaves, math.sqrt(stays))
-    return replace(plan(model, wanted, given, loop=loop), learning=learning)
+    return replace(plan(model, wanted, given, loop=loop, last_V=volts[base]), learning=learning)
 
 
-def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floats, Floats]:
+def _by_time(errors: Sequence[Floats], foreseen: Sequence[Floats], base: int, noise_um: float) -> tuple[Floats, Floats]:
     """Weights of the repeats, (repeats, n), of sum 1, and how far the error is learnt, (n,), at each time.
 
-    All of `base`, and all is learnt, but where two repeats did not lower the mean square near a time and at most times
-    did: a model that is wrong at some frequencies is so at all times, and left to the spectra.
+    All of `base`, and all is learnt, but where two repeats did not lower the mean square near a time as foreseen, and
+    at most times did: a model that is wrong at some frequencies is so at all times, and left to the spectra.
     """
     n = errors[0].size
     half = max(round(NEAR * n), 1)
@@ -145,12 +160,15 @@ def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floa
     def near(values: Floats) -> Floats:
         return np.asarray(scipy.signal.fftconvolve(values, window, "same") / whole)
 
-    power = np.array([near(e**2) for e in errors])
+    power, promised = (np.array([near(e**2) for e in courses]) for courses in (errors, foreseen))
     stays = np.zeros(n)
     for k in range(2, len(errors)):
         # The first step of a large error may spill into its neighbourhood: one repeat is not enough.
-        ratio = power[k - 1 : k + 1].min(axis=0) / (power[: k - 1].min(axis=0) + NOISE_FACTOR * noise_um**2)
-        stays[(ratio > 1.0) & bool(np.median(ratio) < 1.0)] = 1.0
+        least = power[: k - 1].min(axis=0)
+        ratio = power[k - 1 : k + 1].min(axis=0) / (least + NOISE_FACTOR * noise_um**2)
+        stays[
+            (ratio > 1.0) & (promised[k - 1 : k + 1].max(axis=0) < FORESEEN * least) & bool(np.median(ratio) < 1.0)
+        ] = 1.0
     # A window has no weight at its ends.
     back, reached = near(stays), maximum_filter1d(stays, 2 * half - 1, mode="constant")
     best = np.arange(len(errors))[:, None] == np.argmin(power, axis=0)
@@ -159,8 +177,25 @@ def _by_time(errors: Sequence[Floats], base: int, noise_um: float) -> tuple[Floa
     return weights, 1.0 - near(reached)
 
 
-def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats]:
-    """q at each frequency, (n,), and the largest share of an error that it leaves in any draw, (n,)."""
+def _unforeseen(
+    model: Model, volts: Sequence[Floats], answers: Sequence[Floats], missed: Sequence[Floats], noise_um: float
+) -> float:
+    """What the stage did otherwise than the model, above the noise, as a share of what the changes move at rest."""
+    full_um = rest_um(model, model.u_max_V, {}) - rest_um(model, model.u_min_V, {})
+    per_V = full_um / (model.u_max_V - model.u_min_V)
+    n, otherwise, moves = missed[0].size, 0.0, 1e-300
+    for early, late in pairwise(range(len(volts))):
+        # A stage that is otherwise linear answers by a part of what the model does: that is not of hystereses.
+        answered, other = (dct(course[late] - course[early], norm="ortho") for course in (answers, missed))
+        along = _near(answered * other) ** 2 / np.maximum(_near(answered**2), 1e-300)
+        otherwise += max(float(np.mean(_near(other**2) - along)) - 2.0 * noise_um**2, 0.0)
+        moves += per_V**2 * float(np.var((volts[late] - volts[early])[-n:]))
+    return math.sqrt(otherwise / moves)
+
+
+def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats, Floats]:
+    """q at each frequency, (n,), the largest share of an error that it leaves in any draw, and the stage's gain there,
+    as a share of that at rest."""
     given, grid_Hz = Uncertainty(), frequencies(model, Uncertainty())
     z = np.exp(2j * math.pi * grid_Hz * model.Ts_s)
     cloud = draws(model)[:DRAWS]
@@ -170,7 +205,8 @@ def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats]:
     share = np.minimum(T.real.mean(axis=0) / power.mean(axis=0), MOST * np.min(T.real / power, axis=0))
     share[(np.abs(own) < LEAST_GAIN) | (share < 0.0)] = 0.0
     remains = np.abs(1.0 - share * T).max(axis=0)
-    return np.interp(f_Hz, grid_Hz, share), np.interp(f_Hz, grid_Hz, remains)
+    gain = np.interp(f_Hz, grid_Hz, np.abs(own))
+    return np.interp(f_Hz, grid_Hz, share), np.interp(f_Hz, grid_Hz, remains), gain
 
 
 def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tuple[Floats, Floats]:
@@ -192,9 +228,14 @@ def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tupl
 
 
 def _power(spectrum: Floats) -> Floats:
-    """Mean of the squares near each frequency, over a width that rises with it: a sixteenth of it to both sides."""
-    sums = np.concatenate([[0.0], np.cumsum(spectrum**2)])
-    k = np.arange(spectrum.size)
+    """Power near each frequency."""
+    return _near(spectrum**2)
+
+
+def _near(values: Floats) -> Floats:
+    """Mean near each frequency, over a width that rises with it: a sixteenth of it to both sides."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    k = np.arange(values.size)
     half = 2 + k // 16
-    low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, spectrum.size)
+    low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, values.size)
     return np.asarray((sums[high] - sums[low]) / (high - low))

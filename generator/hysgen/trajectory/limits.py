@@ -1,7 +1,7 @@
-"""The voltage inside its limits whose largest error is least: linear programmes, each about the last answer.
+"""The voltage inside its limits whose error is least: quadratic programmes, each about the last answer.
 
-    minimise    t + SPREAD sum_k s(k) / n
-    such that   |y(k) - r(k)| <= s(k) <= t,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
+    minimise    t + spread mean_k e(k)^2 / t0
+    such that   |e(k)| <= t,   e = y - r,   low <= u(k) <= high,   |u(k) - u(k-1)| <= slew Ts,
                 |u(k) - 2 u(k-1) + u(k-2)| <= acceleration Ts^2
 
 Unknown is v, the output of the hysteresis, whose exact inverse gives u: v ends where u does, and changes by the slope
@@ -9,7 +9,8 @@ of the hysteresis along the last answer times as much. Behind it the stage is li
 
     x(k+1) = A x(k) + B v(k-d),   y(k+1) = a(k) y(k) + b(k) (C x(k) + D v(k-d))        of creep and modes, and of rules
 
-in deviations from the last answer. The unknowns are v, y, x, s and t.
+in deviations from the last answer, whose largest error is t0. A small `spread` gives the least largest error, a large
+one the least mean square. The unknowns are v, e, x and t.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,11 +33,12 @@ from hysgen.trajectory.inverse import inverse, inverse_of_path, without_unstable
 
 Floats = NDArray[np.float64]
 
-SPREAD = 0.01
-"""Weight of the mean error beside the largest, which stays within a hundredth of its least."""
+SPREAD, MEAN_SQUARE = 0.1, 1e3
+"""`spread` for the least largest error, within hundredths, as the mean square is a small share of its square; and for
+the least mean square."""
 
 ROUNDS, LEAST_FALL = 12, 0.01
-"""Programmes at most; they end where the largest error falls by less, or is as near to that of the programme."""
+"""Programmes at most; they end where the error falls by less, or is as near to that of the programme."""
 
 SHARES = (1.0, 0.5, 0.25)
 """Shares of the way from the last voltage to that of a programme that are tried: the line is no more than near."""
@@ -106,29 +108,37 @@ def clipped(u_V: Floats, limits: Limits, Ts_s: float) -> Floats:
 
 
 def best_within(
-    model: Model, y_um: Floats, u_V: Floats, limits: Limits, scored: slice, first: int
+    model: Model,
+    y_um: Floats,
+    tried: Sequence[Floats],
+    limits: Limits,
+    scored: slice,
+    counted: slice,
+    first: int,
+    spread: float = SPREAD,
 ) -> tuple[Floats, Floats]:
-    """A voltage inside its limits with the least largest error along y, (n + 1,), and the answer of the model to it.
+    """A voltage inside its limits with the least error along y, (n + 1,), and the answer of the model to it.
 
-    u_V: (n,) of the exact inverse, as it stays before the sample `first`. On the rows `scored`, where the error counts,
-    never worse than u cut at the limits, nor than the inverse that leaves out what has no stable inverse.
+    tried: voltages, (n,), to begin with, first that of the exact inverse; before the sample `first` they agree, and
+    stay as they are. The programmes count the error on the rows `counted`. On the rows `scored` it is never worse than
+    that of one of them cut at the limits, nor of the inverse that leaves out what has no stable inverse.
     """
 
     def judged(volts: Floats) -> tuple[float, Floats, Floats]:
         answer = model.simulate(np.append(volts, volts[-1]))
-        return float(np.abs(answer - y_um)[scored].max()), volts, answer
+        return _worth((answer - y_um)[scored], spread), volts, answer
 
-    def nearest(tried: Iterable[Floats]) -> tuple[float, Floats, Floats]:
-        return min(map(judged, tried), key=lambda pair: pair[0])
+    def nearest(voltages: Iterable[Floats]) -> tuple[float, Floats, Floats]:
+        return min(map(judged, voltages), key=lambda pair: pair[0])
 
-    emitted = inverse(without_unstable(model), y_um, float(u_V[0]))
-    emitted[0] = u_V[0]
-    best = nearest(clipped(volts, limits, model.Ts_s) for volts in (u_V, emitted))
+    emitted = inverse(without_unstable(model), y_um, float(tried[0][0]))
+    emitted[0] = tried[0][0]
+    best = nearest(clipped(volts, limits, model.Ts_s) for volts in (*tried, emitted))
     for _ in range(ROUNDS):
         before, volts, answer = best
-        if before < REACHED * np.ptp(y_um):
+        if np.abs(answer - y_um)[scored].max() < REACHED * np.ptp(y_um):
             break
-        aim, least_um = _programme(model, y_um, volts, answer, limits, slice(first, scored.stop))
+        aim, least_um = _programme(model, y_um, volts, answer, limits, counted, first, spread)
         aim = clipped(aim, limits, model.Ts_s) if limits.broken(aim, model.Ts_s) else aim
         # The limits are convex: every voltage between two inside them is inside them, too.
         best = min(best, nearest(volts + share * (aim - volts) for share in SHARES), key=lambda pair: pair[0])
@@ -137,49 +147,60 @@ def best_within(
     return best[1], best[2]
 
 
+def _worth(error_um: Floats, spread: float) -> float:
+    """What the programmes make least, in um: largest error, and mean square over it."""
+    largest = float(np.abs(error_um).max())
+    return largest + spread * float(np.mean(error_um**2)) / max(largest, 1e-300)
+
+
 def _programme(
-    model: Model, y_um: Floats, volts: Floats, answer: Floats, limits: Limits, rows: slice
+    model: Model,
+    y_um: Floats,
+    volts: Floats,
+    answer: Floats,
+    limits: Limits,
+    counted: slice,
+    first: int,
+    spread: float,
 ) -> tuple[Floats, float]:
-    """The voltages, (n,), of a programme about the last ones and their answer, and its largest error along the rows."""
-    Ts_s, begin = model.Ts_s, rows.start + preview(model.blocks)
+    """The voltages, (n,), of a programme about the last ones and their answer, and what it makes least, in um."""
+    Ts_s, begin = model.Ts_s, first + preview(model.blocks)
     spaces = [block.state_space(Ts_s) for block in model.blocks]
     head = [block for block, space in zip(model.blocks, spaces, strict=True) if space is None]
     A, B, C, D = series([NO_STATE, *(space for space in spaces if space is not None)])
     v, slopes, (low, high) = _behind(head, volts, limits, Ts_s)
-    missed, w = (answer - y_um)[begin + 1 : rows.stop], applied(model.blocks, volts, Ts_s, model.w_range)
+    error, w = (answer - y_um)[begin + 1 :], applied(model.blocks, volts, Ts_s, model.w_range)
     a, b = slope(model, answer[begin:-1], w[begin:]), gain(model, answer[begin:-1])
-    # Of v and x in half ranges; of y, s and t in the last largest error.
-    n, m, count, half, unit_um = a.size, B.size, missed.size, 0.5 * (high - low), float(np.abs(missed).max())
+    counts = np.arange(max(counted.start - begin - 1, 0), counted.stop - begin - 1)
+    # Of v and x in half ranges; of e and t in the last largest error.
+    n, m, half, unit_um = a.size, B.size, 0.5 * (high - low), float(np.abs(error[counts]).max())
     unit, late, of_w = sparse.eye_array(n), sparse.eye_array(n, k=-1), sparse.diags_array(half / unit_um * b)
-    nothing, free = None, sparse.csr_array((n, count + 1))
+    nothing, free = None, sparse.csr_array((n, 1))
     equations: list[list[Any]] = [
         [-D * of_w, unit - sparse.diags_array(a) @ late, -sparse.kron(of_w @ late, C[None, :]), free],
         [-sparse.kron(unit, B[:, None]), nothing, sparse.eye_array(n * m) - sparse.kron(late, A), nothing],
         [sparse.eye_array(1, n), nothing, nothing, nothing],
     ]
-    error, some, along = missed / unit_um, sparse.eye_array(count, count + 1), sparse.eye_array(count, n)
-    largest = sparse.csr_array((np.ones(count), (np.arange(count), np.full(count, count))), some.shape)
+    along, largest = unit.tocsr()[counts], sparse.csr_array(np.ones((counts.size, 1)))
     bounds: list[list[Any]] = [
-        [sparse.csr_array((count, n)), along, sparse.csr_array((count, n * m)), -some],
-        [nothing, -along, nothing, -some],
-        [nothing, nothing, nothing, some - largest],
+        [sparse.csr_array((counts.size, n)), along, sparse.csr_array((counts.size, n * m)), -largest],
+        [nothing, -along, nothing, -largest],
     ]
-    sides = [-error, error, np.zeros(count)]
-    last_V = np.append(volts[max(rows.start - 1, 0)], volts[rows.start : rows.start + n])
+    sides = [np.zeros(2 * counts.size)]
+    last_V = np.append(volts[max(first - 1, 0)], volts[first : first + n])
     within = (unit, [(high - v[begin:]) / half, (v[begin:] - low) / half])
     for matrix, room in (within, *_rates(half / slopes[begin:], last_V, limits, Ts_s)):
         bounds += [[sign * matrix, nothing, nothing, nothing] for sign in (1.0, -1.0)]
         sides += room
-    cost = np.concatenate([np.zeros(n * (2 + m)), np.full(count, SPREAD / count), [1.0]])
-    start = np.concatenate([np.zeros(n * (2 + m)), np.abs(error), [1.0]])
+    cost, squares, start = np.zeros((3, n * (2 + m) + 1))
+    cost[-1], squares[n + counts], start[n : 2 * n], start[-1] = 1.0, 2.0 * spread / counts.size, error / unit_um, 1.0
     k = np.arange(float(n))
-    unknowns = np.concatenate([k, k + 0.6, np.repeat(k, m) + 0.8, k[:count] + 0.9, [n]])
+    unknowns = np.concatenate([k, k + 0.6, np.repeat(k, m) + 0.8, [n]])
     rows_of = np.concatenate([k + 0.2, np.repeat(k, m) + 0.4, [0.0]])
     E, G = (sparse.block_array(parts, format="csr") for parts in (equations, bounds))
-    x = least(cost, E, G, np.concatenate(sides), start, (unknowns, rows_of))
+    x = least(cost, squares, E, G, np.concatenate(sides), start, (unknowns, rows_of))
     v[begin:] = np.clip(v[begin:] + half * x[:n], low, high)
-    largest_um = unit_um * float(np.abs(error + x[n : n + count]).max())
-    return inverse_of_path(head, v, float(volts[0]), Ts_s), largest_um
+    return inverse_of_path(head, v, float(volts[0]), Ts_s), _worth(unit_um * x[n + counts], spread)
 
 
 def _rates(per_V: Floats, last_V: Floats, limits: Limits, Ts_s: float) -> Iterator[tuple[Any, list[Floats]]]:

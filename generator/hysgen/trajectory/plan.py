@@ -19,7 +19,7 @@ from hysgen.trajectory.inverse import (
     rest_voltage,
     without_unstable,
 )
-from hysgen.trajectory.limits import MOVED, REACHED, Limits, best_within, clipped, limits_of
+from hysgen.trajectory.limits import MEAN_SQUARE, MOVED, REACHED, SPREAD, Limits, best_within, clipped, limits_of
 from hysgen.trajectory.reference import Sampled
 
 Floats = NDArray[np.float64]
@@ -27,8 +27,9 @@ Floats = NDArray[np.float64]
 SETTLED, MOST_SAMPLES, RUN_IN = 1e-7, 100_000, 20
 """Share of a slow state that a steady state may still lack, samples until then at most, periods at least."""
 
-LOOP_SAMPLES = 2000
-"""Least samples of each stroke of a loop before the reference: slow beside the modes and lags of a stage."""
+LOOP_SAMPLES, AHEAD = 2000, 400
+"""Least samples of each stroke of a loop before the reference: slow beside the modes and lags of a stage; and those of
+its end that limits may move."""
 
 PROBABLE = 1.96
 """Standard deviations within which 95 % of normal errors lie."""
@@ -195,12 +196,18 @@ class Waveform(Displayed):
 
 
 def plan(
-    model: Model, reference: Sampled, given: Limits | None = None, periodic: bool = False, loop: bool = False
+    model: Model,
+    reference: Sampled,
+    given: Limits | None = None,
+    periodic: bool = False,
+    loop: bool = False,
+    last_V: Floats | None = None,
 ) -> Waveform:
     """The voltage for a reference from rest at its first value, or one period of its steady state.
 
     loop: begin with the whole range of the voltage, low, high and low again, after which the stage remembers nothing
-    else, and go to the first value from there.
+    else, and go to the first value from there. last_V: the voltage that was played, (n,), for that of the next repeat:
+    inside limits that bind it moves from there, to the least mean square of the error.
 
     Raises ModelError for limits that leave no voltage, or for a model that has no inverse.
     """
@@ -216,7 +223,7 @@ def plan(
         remarks.append(f"not compensated, for its phase is not known: {', '.join(term.kind for term in model.terms)}")
     if any(isinstance(block, Hysteresis) for block in model.blocks) and not (loop or periodic):
         remarks.append("the stage is taken to come from rest; if it remembers other voltages, begin with a loop")
-    made = _period(stage, wanted, limits) if periodic else _from_rest(stage, wanted, limits, loop)
+    made = _period(stage, wanted, limits) if periodic else _from_rest(stage, wanted, limits, loop, last_V)
     volts, y, lead, cut_um, broken = made
     error = np.abs(y - wanted)
     span_um = float(np.ptp(wanted)) or model.grid.y_max_um - model.grid.y_min_um
@@ -267,14 +274,14 @@ def _loop(stage: Model, wanted: Floats, limits: Limits) -> Floats:
     return np.concatenate([course, course[-1] + (wanted[0] - course[-1]) * rise])
 
 
-def _from_rest(stage: Model, wanted: Floats, limits: Limits, loop: bool) -> Made:
+def _from_rest(stage: Model, wanted: Floats, limits: Limits, loop: bool, last_V: Floats | None) -> Made:
     before, rest_V = (_loop(stage, wanted, limits), limits.low_V) if loop else (np.zeros(0), None)
     before = np.concatenate([before, np.full(preview_samples(stage), wanted[0])])
     course = np.concatenate([before, wanted, np.full(preview_samples(stage) + 1, wanted[-1])])
     scored = slice(before.size, before.size + wanted.size)
-    # What a loop leaves behind is the past: its voltages stay.
-    first = scored.start - preview_samples(stage)
-    volts, answer, cut_um, broken = _limited(stage, course, limits, scored, first, rest_V)
+    # What a loop leaves behind is the past: its voltages stay, but for the last ones on the way to the reference.
+    first = scored.start - preview_samples(stage) - (AHEAD if loop else 0)
+    volts, answer, cut_um, broken = _limited(stage, course, limits, scored, scored, first, rest_V, last_V)
     return volts[: scored.stop], answer[scored], before.size, cut_um, broken
 
 
@@ -295,7 +302,7 @@ def _period(stage: Model, wanted: Floats, limits: Limits) -> Made:
     for _ in range(CORRECTIONS):
         begin = aim.mean() + (aim[0] - aim.mean()) * ramp
         course = np.concatenate([np.full(lead, aim.mean()), begin, np.tile(aim, repeats), np.full(lead + 1, aim[-1])])
-        volts, _, cut_um, broken = _limited(stage, course, limits, slice(last - period, last), 0)
+        volts, _, cut_um, broken = _limited(stage, course, limits, slice(last - period, last), slice(0, last), 0)
         volts = volts[last - period : last]
         y = stage.simulate(np.tile(volts, repeats))[-period:]
         missed = float(np.abs(y - wanted).max())
@@ -310,7 +317,14 @@ def _period(stage: Model, wanted: Floats, limits: Limits) -> Made:
 
 
 def _limited(
-    stage: Model, course: Floats, limits: Limits, scored: slice, first: int, rest_V: float | None = None
+    stage: Model,
+    course: Floats,
+    limits: Limits,
+    scored: slice,
+    counted: slice,
+    first: int,
+    rest_V: float | None = None,
+    last_V: Floats | None = None,
 ) -> tuple[Floats, Floats, float | None, tuple[str, ...]]:
     """Voltages and answer along a course that begins and ends at rest, error of the cut voltage, limits broken."""
     if rest_V is None:
@@ -327,7 +341,12 @@ def _limited(
         return np.clip(volts, limits.low_V, limits.high_V), answer, None, broken
     cut = clipped(volts, limits, stage.Ts_s)
     cut_um = float(np.abs(stage.simulate(np.append(cut, cut[-1])) - course)[scored].max())
-    return *best_within(stage, course, volts, limits, scored, first), cut_um, broken
+    tried, spread = [volts], SPREAD
+    if last_V is not None:
+        # What a play measured of a loop holds the noise of a monitor: the planned one stays.
+        last_V = np.concatenate([volts[:first], last_V[first:], np.full(max(volts.size - last_V.size, 0), last_V[-1])])
+        tried, spread = [volts, last_V], MEAN_SQUARE
+    return *best_within(stage, course, tried, limits, scored, counted, first, spread), cut_um, broken
 
 
 def _spans(missed: NDArray[np.bool_], start_s: float, Ts_s: float) -> tuple[tuple[float, float], ...]:
