@@ -19,6 +19,8 @@ from hysgen.errors import HysgenError
 from hysgen.float32.reference.instance import Instance
 from hysgen.model.model import Grid, Model
 from hysgen.model.path import InputBlock, kinds
+from hysgen.model.path.delay import Delay
+from hysgen.model.path.modes import Modes
 from hysgen.model.path.structure import Structure
 from hysgen.trajectory.limits import Limits
 from hysgen.trajectory.plan import REACHED
@@ -65,7 +67,7 @@ def test_played_through_the_model_the_voltage_gives_the_reference(seed: int, nam
         assert np.abs(played_um - wanted).max() <= 1.01 * REACHED * np.ptp(wanted)
     else:
         # A delay of half a sample passes no quick changes, and light modes need voltages beyond the range.
-        assert plan.broken or any(0.47 < getattr(b, "part", 0.0) < 0.53 for b in blocks)
+        assert plan.broken or any(0.37 < getattr(b, "part", 0.0) < 0.63 for b in blocks)
         assert np.abs(played_um - wanted).max() == pytest.approx(plan.largest_um, rel=1e-6)
 
 
@@ -85,6 +87,17 @@ def test_a_stage_with_zeros_outside_the_circle_is_inverted_ahead_of_the_referenc
     inverse = Instance(model, asked[0], plan.u_V[:1].astype(np.float32))
     volts = [inverse.inverse(here, after)[0] for here, after in itertools.pairwise(asked)]
     assert np.abs(np.array(volts) - plan.u_V[:-1]).max() < 50.0 * 3e-7 / (1.0 - LAG)
+
+
+def test_half_a_sample_of_delay_does_not_ring_through_modes() -> None:
+    """The average of two samples has no inverse at half the sampling rate, which the inverse of modes asks most of."""
+    lag_s = -TS_S / math.log(LAG)
+    model = lag_model((Delay(1.494), Modes((617.0, 2319.0), (0.0075, 0.0138), (0.977, 0.0222), lag_s)), 120.0)
+    for periodic, largest_um in ((False, 0.05), (True, 1e-3)):
+        plan = hysgen.waveform(model, "sine", hysgen.Form(5.0, 50.0, 50.0, 2), periodic=periodic)
+        played_um = model.simulate(np.tile(plan.u_V, 20 if periodic else 1))[-plan.reference.values.size :]
+        assert np.abs(played_um - plan.reference.values).max() == pytest.approx(plan.largest_um)
+        assert plan.largest_um < largest_um
 
 
 @pytest.mark.slow

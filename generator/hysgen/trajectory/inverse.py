@@ -40,8 +40,8 @@ FORGOTTEN = 1e-9
 MOST_PREVIEW = 100_000
 """Samples of the voltage before the first sample of the reference, at most."""
 
-NEAR_CIRCLE = 0.9
-"""A delay whose zero is nearer to the unit circle is inverted by interpolation: the exact inverse would ring."""
+NEAR_CIRCLE = 0.6
+"""A delay whose zero is nearer to the unit circle is planned in whole samples: the exact inverse of it would ring."""
 
 CORRECTIONS = 12
 """Largest number of corrections of the reference by what the inverse misses."""
@@ -61,6 +61,19 @@ def without_unstable(model: Model) -> Model:
     return dataclasses.replace(own_response(model), blocks=solved)
 
 
+def in_whole_samples(model: Model) -> tuple[Model, float]:
+    """The model with its delay in whole samples, where the exact inverse of the delay is NEAR_CIRCLE, and the part of a
+    sample by which its answer is too soon: nothing in a model tells the time, so a reference is sooner by it instead.
+    """
+    near = [
+        b for b in model.blocks if isinstance(b, Delay) and NEAR_CIRCLE < b.part / (1.0 - b.part) < 1.0 / NEAR_CIRCLE
+    ]
+    if not near:
+        return model, 0.0
+    blocks = tuple(dataclasses.replace(b, samples=float(b.whole)) if b in near else b for b in model.blocks)
+    return dataclasses.replace(model, blocks=blocks), near[0].part
+
+
 def rest_voltage(model: Model, y_um: float) -> float:
     """Voltage under which the model rests at y; an end of the input range for a y beyond it."""
     ends_V = model.u_min_V, model.u_max_V
@@ -77,7 +90,7 @@ def preview_samples(model: Model) -> int:
         ahead += block.preview
         space = block.state_space(model.Ts_s)
         outside = [] if space is None else [abs(z) for z in np.linalg.eigvals(inverted(space)[0]) if abs(z) > 1.0]
-        if isinstance(block, Delay) and block.part > 0.5 and (1.0 - block.part) / block.part < NEAR_CIRCLE:
+        if isinstance(block, Delay) and block.part > 0.5:
             outside = [block.part / (1.0 - block.part)]
         if outside:
             ahead += min(math.ceil(-math.log(FORGOTTEN) / math.log(min(outside))), MOST_PREVIEW)
@@ -158,14 +171,11 @@ def _linear_inverse(space: StateSpace, out: Floats) -> Floats:
 
 
 def _sooner(block: Delay, out: Floats) -> Floats:
-    """The command whose delayed course is `out`; exact where the zero of the delay is not NEAR_CIRCLE."""
+    """The command whose delayed course is `out`."""
     mu, held = block.part, np.concatenate([out, np.full(block.whole + 1, out[-1])])
     early = held[block.whole : block.whole + out.size]
-    if mu / (1.0 - mu) < NEAR_CIRCLE:
+    if mu <= 0.5:
         start = [-mu / (1.0 - mu) * out[0]]
         return np.asarray(scipy.signal.lfilter([1.0 / (1.0 - mu)], [1.0, mu / (1.0 - mu)], early, zi=start)[0])
-    later = held[block.whole + 1 :]
-    if (1.0 - mu) / mu < NEAR_CIRCLE:
-        end = [-(1.0 - mu) / mu * out[-1]]
-        return np.asarray(scipy.signal.lfilter([1.0 / mu], [1.0, (1.0 - mu) / mu], later[::-1], zi=end)[0][::-1])
-    return np.asarray(early + mu * (later - early))
+    later, end = held[block.whole + 1 :], [-(1.0 - mu) / mu * out[-1]]
+    return np.asarray(scipy.signal.lfilter([1.0 / mu], [1.0, (1.0 - mu) / mu], later[::-1], zi=end)[0][::-1])

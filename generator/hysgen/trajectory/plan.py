@@ -14,6 +14,7 @@ from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.trajectory.inverse import (
     CORRECTIONS,
     corrected_inverse,
+    in_whole_samples,
     own_response,
     preview_samples,
     rest_voltage,
@@ -223,8 +224,12 @@ def plan(
         remarks.append(f"not compensated, for its phase is not known: {', '.join(term.kind for term in model.terms)}")
     if any(isinstance(block, Hysteresis) for block in model.blocks) and not (loop or periodic):
         remarks.append("the stage is taken to come from rest; if it remembers other voltages, begin with a loop")
-    made = _period(stage, wanted, limits) if periodic else _from_rest(stage, wanted, limits, loop, last_V)
+    planned, part = in_whole_samples(stage)
+    aim = wanted + part * np.diff(wanted, append=wanted[0] if periodic else wanted[-1])
+    made = _period(planned, aim, limits) if periodic else _from_rest(planned, aim, limits, loop, last_V)
     volts, y, lead, cut_um, broken = made
+    if part > 0.0:
+        y = stage.simulate(np.tile(volts, RUN_IN if periodic else 1))[-wanted.size :]
     error = np.abs(y - wanted)
     span_um = float(np.ptp(wanted)) or model.grid.y_max_um - model.grid.y_min_um
     own = model.scores.get("identification", {}).get("own", {})
@@ -254,7 +259,7 @@ Made = tuple[Floats, Floats, int, float | None, tuple[str, ...]]
 
 def lead_samples(stage: Model, wanted: Floats, limits: Limits, loop: bool) -> int:
     """Samples of the voltage before the first one of the reference."""
-    return preview_samples(stage) + (_loop(stage, wanted, limits).size if loop else 0)
+    return preview_samples(in_whole_samples(stage)[0]) + (_loop(stage, wanted, limits).size if loop else 0)
 
 
 def _loop(stage: Model, wanted: Floats, limits: Limits) -> Floats:
