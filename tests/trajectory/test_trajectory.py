@@ -47,6 +47,10 @@ def smooth(rng: np.random.Generator, low_um: float, high_um: float, samples: int
 def test_a_loop_over_the_whole_range_stays_inside_it_to_the_last_bit() -> None:
     plan = hysgen.waveform("appendix_a", 2.0 + 0.5 * np.sin(0.0125 * np.arange(500)), loop=True)
     assert (plan.u_V.min(), plan.u_V.max()) == (-20.0, 120.0)
+    model = hysgen.load_model("extended")
+    plan = hysgen.waveform(model, "sine", hysgen.Form(0.3, 2.0, 100.0, 1), loop=True, slew_V_s=1e5)
+    assert "slew" in plan.broken
+    assert plan.u_V.min() >= model.u_min_V
 
 
 @pytest.mark.slow

@@ -144,7 +144,7 @@ def best_within(
         best = min(best, nearest(volts + share * (aim - volts) for share in SHARES), key=lambda pair: pair[0])
         if best[0] < (1.0 + LEAST_FALL) * least_um or best[0] > (1.0 - LEAST_FALL) * before:
             break
-    return best[1], best[2]
+    return np.clip(best[1], limits.low_V, limits.high_V), best[2]
 
 
 def _worth(error_um: Floats, spread: float) -> float:
