@@ -59,6 +59,14 @@ def test_the_band_is_where_the_speed_has_its_power() -> None:
     assert 1e-5 < (able(two, "memory").least or 0.0) < 1e-2
 
 
+def test_what_moves_a_mode_is_not_judged_before_a_mode_is_known() -> None:
+    """Softening falls the frequency of a mode, and no mode is known before a search."""
+    found = seen(strokes(0.0, 100.0, 0.0, 60.0, 20.0))
+    assert able(found, "softening").text() == "not judged: no resonance is known that it changes"
+    assert [need["met"] for need in found.to_json()["requirements"] if need["cause"] == "softening"] == [False]
+    assert ["softening", "", able(found, "softening").text()] in found.summary().rows
+
+
 def test_what_a_record_too_short_to_be_diagnosed_could_show_is_not_said() -> None:
     """Of 614 rows 399 are identified from, of 615 are 400."""
     short, enough = (seen(strokes(0.0, 100.0, 0.0, samples=400)[:rows]) for rows in (614, 615))
@@ -79,4 +87,4 @@ def test_channels_are_named_with_their_ranges() -> None:
     assert json["excitation"]["swings"] == found.seen.swings
     assert json["excitation"]["fastest_V_per_s"] == found.seen.fastest_V_per_s
     assert [need["cause"] for need in json["requirements"]] == list(VOCABULARY), "every cause is asked"
-    assert [need["met"] for need in json["requirements"]] == [able(found, name).excited for name in VOCABULARY]
+    assert [need["met"] for need in json["requirements"]] == [able(found, name).excited is True for name in VOCABULARY]

@@ -30,6 +30,7 @@ from hysgen.diagnosis.causes.aging import GainChange
 from hysgen.diagnosis.causes.creep import PER_DECADE, CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart, Trend, trend_course
 from hysgen.diagnosis.extension import Extension
+from hysgen.diagnosis.identifiability import abilities
 from hysgen.diagnosis.probe import Chain, linear_fit, refine
 from hysgen.model.disturbances.coupling import Coupling
 from hysgen.model.disturbances.periodic import Periodic
@@ -144,3 +145,15 @@ def numbers(part: object) -> list[float]:
         return [float(part)]
     inside = part if isinstance(part, tuple) else vars(part).values() if hasattr(part, "__dict__") else ()
     return [number for inner in inside for number in numbers(inner)]
+
+
+@pytest.mark.parametrize(("lines", "verdict"), [(25, "above"), (1, "hidden")])
+def test_a_fall_of_a_mode_shows_where_its_amplitude_changes(lines: int, verdict: str) -> None:
+    """Of one line the amplitude is one: a mode that softens is a mode at a lower frequency."""
+    chain, lines_Hz = LAG.having(Modes((83.0,), (0.02,), (0.3,), LAG.lag_s)), 83.0 + 2.0 * np.arange(lines)
+    u_V = 50.0 + 8.0 * np.sin(2.0 * np.pi * np.multiply.outer(T_S, lines_Hz) + np.arange(lines) ** 2).sum(axis=1)
+    rings = scene(chain, u_V=u_V)
+    residual = Residual(rings, refine(rings, chain))
+    (able,) = (ability for ability in abilities(residual, residual, {"resonance": None}) if ability.name == "softening")
+    assert able.verdict == verdict
+    assert (able.least or 0.0) < 1e-3

@@ -54,8 +54,8 @@ class Ability:
     """Whether a record could show a cause.
 
     verdict: "named"; "above", only an effect of at least `least`; "hidden" by the part `hidden_by`, at least `least`;
-    or "not excited". limit: the cause is a limit, at most `least` to be seen. experiment: what to record so that the
-    cause shows.
+    "not excited"; or "not judged" without the part `beside`. limit: the cause is a limit, at most `least` to be seen.
+    experiment: what to record so that the cause shows.
     """
 
     name: str
@@ -65,11 +65,12 @@ class Ability:
     hidden_by: str = ""
     experiment: str = ""
     limit: bool = False
+    beside: str = ""
 
     @property
-    def excited(self) -> bool:
-        """Whether an effect of some size would show, or does."""
-        return self.verdict != "not excited"
+    def excited(self) -> bool | None:
+        """Whether an effect of some size would show, or does; None if that is not judged."""
+        return None if self.verdict == "not judged" else self.verdict != "not excited"
 
     @property
     def lacks(self) -> str:
@@ -83,6 +84,8 @@ class Ability:
                 return "named"
             case "not excited":
                 return f"not excited: {self.experiment}"
+            case "not judged":
+                return f"not judged: no {self.beside} is known that it changes"
         amount = "a limit of at most" if self.limit else "an effect of at least"
         level = f"only {amount} {decimal(self.least or 0.0, 3)} {self.unit}"
         return f"{level}, because {self.hidden_by} hides it; {self.experiment}" if self.hidden_by else level
@@ -113,6 +116,9 @@ def abilities(residual: Residual, whole: Residual, named: Mapping[str, object]) 
             result.append(Ability(name, "named"))
             continue
         if cause.held_by in named:
+            continue
+        if cause.changes and not causes()[cause.changes].present(residual.fit.chain):
+            result.append(Ability(name, "not judged", experiment=cause.experiment, beside=cause.changes))
             continue
         effect = cause.effect(whole if cause.on_all_rows else residual)
         if effect is None:
@@ -312,7 +318,8 @@ class Inspection(Displayed):
             f"Hz, at most {seen.fastest_V_per_s:.4g} V/s; {seen.rests} rests, the longest {seen.longest_rest_s:.3g} s",
             *(f"warning: {line}" for line in self.warnings),
         ]
-        rows = [[able.name, "yes" if able.excited else "no", able.text()] for able in self.abilities]
+        excited = {True: "yes", False: "no", None: ""}
+        rows = [[able.name, excited[able.excited], able.text()] for able in self.abilities]
         return Summary(record.one_line(), ["cause", "excited", "what would show"], rows, left=3, first=first)
 
     def to_json(self) -> dict[str, Any]:
@@ -329,7 +336,7 @@ class Inspection(Displayed):
             "channels": {name: list(ends) for name, ends in record.aux_ranges.items()},
             "noise": seen.noise.to_json(),
             "excitation": {name: getattr(seen, name) for name in EXCITATION},
-            "requirements": [{"cause": a.name, "met": a.excited, "why": a.text()} for a in self.abilities],
+            "requirements": [{"cause": a.name, "met": bool(a.excited), "why": a.text()} for a in self.abilities],
             "warnings": [*record.warnings, *self.warnings],
         }
 

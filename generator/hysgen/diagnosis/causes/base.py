@@ -59,6 +59,10 @@ class Residual:
         """(n,) change of the response to the fitted hysteresis if `chain` takes the place of the fitted chain."""
         return np.concatenate(self.responses(chain)) - np.concatenate(self.responses(self.fit.chain))
 
+    def predicted(self, chain: Chain) -> Floats:
+        """(n,) prediction of `chain` with the weights of the fitted one, added columns included."""
+        return self.scene.seen(self._paths, chain, self.fit.weights)
+
     def about_zero_um(self) -> Floats:
         """(n,) response of the fitted chain about its displacement at 0 V, which a change of the gain multiplies."""
         chain, weights = self.fit.chain, self.fit.weights
@@ -159,6 +163,9 @@ class Cause(abc.ABC):
 
     held_by: ClassVar[str] = ""
     """A cause whose part holds this one: a stage that has that one has no name for this."""
+
+    changes: ClassVar[str] = ""
+    """A cause whose part this one changes: it is judged beside that part alone."""
 
     extends: ClassVar[bool] = True
     """Whether a model can be extended by the cause; False for changes that no model predicts."""

@@ -9,8 +9,9 @@ import functools
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.signal import hilbert
 
-from hysgen.diagnosis.causes.base import Cause, Estimate, Residual, Signature
+from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature
 from hysgen.diagnosis.causes.modes import StructurePart, identified, inputs_of, moving_channels
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
@@ -20,10 +21,14 @@ from hysgen.fitting.loop import identify_loop
 from hysgen.fitting.softening import identify_softening
 from hysgen.fitting.structure import ARX_ORDER, ModalForm, structure_parts
 from hysgen.model.path.loop import Loop
+from hysgen.model.path.modes import Modes
 from hysgen.model.path.softening import Softening
 
 NAMED = 3
 """Modes whose fall is told, the strongest ones."""
+
+FALL = 1e-4
+"""Share of a frequency whose effect is linear: less than the width of any mode."""
 
 
 class SofteningCause(Cause):
@@ -31,6 +36,7 @@ class SofteningCause(Cause):
     kind = "loop"
     rank = 62
     experiment = Piece.BAND
+    changes = "resonance"
 
     def present(self, chain: Chain) -> bool:
         part = chain.get(StructurePart)
@@ -52,6 +58,13 @@ class SofteningCause(Cause):
         ranges = tuple(scene.range_of(name) for name in names)
         part = _moving(scene.runs, names, ranges, scene.Ts_s) if names else _looped(scene.runs, scene.Ts_s)
         return [] if part is None else [chain.having(part)]
+
+    def effect(self, residual: Residual) -> Effect:
+        """Of modes whose frequencies fall by a share that grows with the amplitude of what the fall moves."""
+        chain, seen = residual.fit.chain, residual.predicted
+        moved = (seen(_slower(chain)) - seen(chain)) / FALL
+        amplitude = np.abs(hilbert(moved))
+        return Effect("of the frequency at the largest amplitude", moved * amplitude / amplitude.max(), most=1.0)
 
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Frequencies of the modes for small and for large amplitudes, and the error without what moves them."""
@@ -87,6 +100,16 @@ class SofteningCause(Cause):
         form, loop = _form_of(residual)
         block, _ = structure_parts(form, {})
         return Extension(in_place=(block, loop), lag_s=block.lag_s)
+
+
+def _slower(chain: Chain) -> Chain:
+    """The chain whose modes are slower by the share FALL."""
+    part = chain.get(StructurePart)
+    if part is None:
+        modes = [dataclasses.replace(mode, f_Hz=(1.0 - FALL) * mode.f_Hz) for mode in chain.modes]
+        return chain.having(Modes.of(modes, chain.lag_s))
+    poles = part.form.poles * np.exp(-1j * FALL * np.angle(part.form.poles))
+    return chain.having(dataclasses.replace(part, form=dataclasses.replace(part.form, poles=poles)))
 
 
 def _of_amplitude(form: ModalForm, block: Softening, times: float) -> Signature:
