@@ -4,16 +4,20 @@
              sixth is scored; mean of the three axes
     bouc-wen multisine of the Bouc-Wen benchmark: the first 65 % of train.csv identify, the rest is scored
     dbo      ramps of a micromanipulator: rows 0 to 5000 identify, the rest is scored
+    bundled  the record of `hysgen demo`
 
-All errors are rms of free runs in um, from rest, over rows that no fit saw, after the first tenth of them.
+All errors are rms of free runs in um over rows that no fit saw, after the first tenth of them. Cold: nothing of these
+rows is known. Own: without the state before them, the phase of lines, the course of slow changes, jumps, gain steps and
+wrong readings (`hysgen.model.remaining`), for every model by what the diagnosis names.
 
-Run:  HYSGEN_DATA=/folder/of/the/records python benchmarks/boards.py [mirror-100 mirror-300 bouc-wen dbo]
+Run:  HYSGEN_DATA=/folder/of/the/records python benchmarks/boards.py [mirror-100 mirror-300 bouc-wen dbo bundled]
 """
 
 from __future__ import annotations
 
 import os
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -29,8 +33,10 @@ from hysgen.diagnosis import diagnose
 from hysgen.display import table
 from hysgen.errors import HysgenError
 from hysgen.fitting.structure import identify_structure
+from hysgen.model.remaining import Named, take_out
 from hysgen.model.rivals import fit_arx, fit_prandtl_ishlinskii
 from hysgen.record import Record, Segment, load_record
+from hysgen.record.read import IDENTIFICATION_ROWS, bundled_csv
 
 Floats = NDArray[np.float64]
 DATA = Path(os.environ.get("HYSGEN_DATA", "."))
@@ -76,55 +82,73 @@ def dbo() -> Iterator[Board]:
     yield Board(*load_record(DATA / "dbo" / "ramps.csv").split_at(5000), "")
 
 
+def bundled() -> Iterator[Board]:
+    """The rows that the demo identifies from, and those that it scores."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "record.csv"
+        file.write_text(bundled_csv(), encoding="utf-8")
+        yield Board(*load_record(file).split_at(IDENTIFICATION_ROWS), "")
+
+
 BOARDS: dict[str, Callable[[], Iterator[Board]]] = {
     "mirror-100": lambda: mirror(100, "0.087"),
     "mirror-300": lambda: mirror(300, "0.169"),
     "bouc-wen": bouc_wen,
     "dbo": dbo,
+    "bundled": bundled,
 }
 
 
-def scored(fresh: Record, runs: list[Floats]) -> float:
-    """rms error in um of the rows after the first tenth of each segment."""
-    errors = [(run - s.y_um)[int(UNSCORED * s.samples) :] for run, s in zip(runs, fresh.segments, strict=True)]
-    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
+def scored(fresh: Record, runs: list[Floats], named: Named) -> tuple[float, float]:
+    """rms error in um, cold and own, of the rows after the first tenth of each segment."""
+    errors = [run - s.y_um for run, s in zip(runs, fresh.segments, strict=True)]
+    rows = [np.arange(s.samples) >= int(UNSCORED * s.samples) for s in fresh.segments]
+    cold = np.concatenate([error[counted] for error, counted in zip(errors, rows, strict=True)])
+    own = take_out(errors, [s.y_um for s in fresh.segments], rows, fresh.Ts_s, named)
+    return float(np.sqrt(np.mean(cold**2))), own.rms_um
 
 
-def linear(board: Board) -> tuple[float, str]:
+Run = tuple[list[Floats], str]
+"""The free run of a model over the segments of the fresh rows, (n,) each, and its size or what it names."""
+
+
+def linear(board: Board) -> Run:
     """The identified modes alone, without hysteresis or rules; simulated through the known past."""
     form = identify_structure(*_signals(board.known), board.known.Ts_s)
     inputs, _ = _signals(board.fresh.whole())
     runs = [form.simulate(v)[past:] for v, past in zip(inputs, board.fresh.past_samples, strict=True)]
-    return scored(board.fresh, runs), f"{len(form.poles)} modes"
+    return runs, f"{len(form.poles)} modes"
 
 
-def arx(board: Board) -> tuple[float, str]:
+def arx(board: Board) -> Run:
     """ARX of the own input, its order the best of ARX_ORDERS in free run on the last third of the rows to identify."""
     cut = round(2 / 3 * board.known.samples)
     fit_rows, check_rows = board.known.rows(0, cut), board.known.rows(cut, board.known.samples)
-    order = min(
-        ARX_ORDERS, key=lambda n: _or_infinite(scored(check_rows, fit_arx(fit_rows, n, n).free_run(check_rows)))
-    )
-    return scored(board.fresh, fit_arx(board.known, order, order).free_run(board.fresh)), f"order {order}"
+    order = min(ARX_ORDERS, key=lambda n: _or_infinite(_rms(check_rows, fit_arx(fit_rows, n, n).free_run(check_rows))))
+    return fit_arx(board.known, order, order).free_run(board.fresh), f"order {order}"
 
 
-def prandtl_ishlinskii(board: Board) -> tuple[float, str]:
+def prandtl_ishlinskii(board: Board) -> Run:
     """Static plays of the own input."""
-    return scored(board.fresh, fit_prandtl_ishlinskii(board.known).free_run(board.fresh)), "20 plays"
+    return fit_prandtl_ishlinskii(board.known).free_run(board.fresh), "20 plays"
 
 
-def diagnosed(board: Board) -> tuple[float, str]:
-    """What `hysgen diagnose` delivers with default options: its free run, and the causes that it names."""
+def diagnosed(board: Board) -> tuple[Run, Named]:
+    """The free run of what `hysgen diagnose` delivers with default options, and the causes that it names."""
     found = diagnose(board.known, board.fresh)
-    return found.extended_rms_um, ", ".join(found.names) or "nothing"
+    ends = np.cumsum([s.samples for s in board.fresh.segments])[:-1]
+    errors = np.split(found.errors_um[-1][1][-board.fresh.samples :], ends)
+    runs = [error + s.y_um for error, s in zip(errors, board.fresh.segments, strict=True)]
+    return (runs, ", ".join(found.names) or "nothing"), Named.of(found.model)
 
 
-RIVALS = {
-    "hysgen diagnose": diagnosed,
-    "modes alone": linear,
-    "ARX": arx,
-    "Prandtl-Ishlinskii": prandtl_ishlinskii,
-}
+RIVALS = {"modes alone": linear, "ARX": arx, "Prandtl-Ishlinskii": prandtl_ishlinskii}
+
+
+def _rms(record: Record, runs: list[Floats]) -> float:
+    """rms error in um of the rows after the first tenth of each segment."""
+    errors = [(run - s.y_um)[int(UNSCORED * s.samples) :] for run, s in zip(runs, record.segments, strict=True)]
+    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
 def _or_infinite(value: float) -> float:
@@ -141,20 +165,25 @@ def main() -> None:
     rows = []
     for name in sys.argv[1:] or BOARDS:
         boards = list(BOARDS[name]())
-        for label, model in RIVALS.items():
-            begun, errors, words = time.perf_counter(), [], []
-            for board in boards:
+        begun = time.perf_counter()
+        of_boards = [diagnosed(board) for board in boards]
+        named = [what for _, what in of_boards]
+        for label in ("hysgen diagnose", *RIVALS):
+            errors, words = [], []
+            for board, (own, _), what in zip(boards, of_boards, named, strict=True):
                 try:
-                    error, word = model(board)
+                    runs, word = RIVALS[label](board) if label in RIVALS else own
+                    errors.append(scored(board.fresh, runs, what))
                 except HysgenError as fault:
-                    error, word = float("nan"), str(fault)
-                errors.append(error)
+                    errors.append((float("nan"), float("nan")))
+                    word = str(fault)
                 words.append(word)
-            seconds = (time.perf_counter() - begun) / len(boards)
+            seconds, begun = (time.perf_counter() - begun) / len(boards), time.perf_counter()
+            cold_um, own_um = np.mean(errors, axis=0)
             said = " | ".join(dict.fromkeys(words))
-            rows.append([name, label, f"{np.mean(errors):.4g}", f"{seconds:.1f}", boards[0].published, said])
+            rows.append([name, label, f"{cold_um:.4g}", f"{own_um:.4g}", f"{seconds:.1f}", boards[0].published, said])
             print(" ".join(rows[-1]), file=sys.stderr)
-    print(table(["board", "model", "um rms", "s", "published", "named, or size"], rows))
+    print(table(["board", "model", "cold um", "own um", "s", "published", "named, or size"], rows))
 
 
 if __name__ == "__main__":
