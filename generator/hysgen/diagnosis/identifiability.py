@@ -54,8 +54,7 @@ class Ability:
     """Whether a record could show a cause.
 
     verdict: "named"; "above", only an effect of at least `least`; "hidden" by the part `hidden_by`, at least `least`;
-    "not excited"; or "not judged" without the part `beside`. limit: the cause is a limit, at most `least` to be seen.
-    experiment: what to record so that the cause shows.
+    "not excited"; or "not judged" without the part `beside`. limit: it is one, at most `least`. experiment: to record.
     """
 
     name: str

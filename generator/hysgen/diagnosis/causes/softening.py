@@ -104,8 +104,7 @@ class SofteningCause(Cause):
 
 def _slower(chain: Chain) -> Chain:
     """The chain whose modes are slower by the share FALL."""
-    part = chain.get(StructurePart)
-    if part is None:
+    if (part := chain.get(StructurePart)) is None:
         modes = [dataclasses.replace(mode, f_Hz=(1.0 - FALL) * mode.f_Hz) for mode in chain.modes]
         return chain.having(Modes.of(modes, chain.lag_s))
     poles = part.form.poles * np.exp(-1j * FALL * np.angle(part.form.poles))
