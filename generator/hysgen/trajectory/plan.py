@@ -53,6 +53,12 @@ class Learning:
     stays_um: float
 
     @property
+    def predicted_um(self) -> float:
+        """Rms error of the next repeat at most: noise, what is not learnt, and what learning may leave of the rest."""
+        known = self.noise_um**2 + self.stays_um**2
+        return math.sqrt(known + self.leaves**2 * max(self.rms_um[self.base - 1] ** 2 - known, 0.0))
+
+    @property
     def diverges(self) -> bool:
         """Whether the last repeat was worse than one before it, or the model is too wrong to learn with."""
         return self.base < len(self.rms_um) or self.leaves >= 1.0
@@ -135,8 +141,12 @@ class Waveform(Displayed):
 
     @property
     def predicted_um(self) -> float | None:
-        """Predicted rms error of the stage: what the limits leave and the error of the model, as independent errors."""
-        return None if self.model_rms_um is None else math.hypot(self.rms_um, self.model_rms_um)
+        """Predicted rms error of the stage: what the limits leave and the error of the model, as independent errors.
+
+        The repeats say more than the record that identified the model, and a model file need not hold that.
+        """
+        beside_um = self.model_rms_um if self.learning is None else self.learning.predicted_um
+        return None if beside_um is None else math.hypot(self.rms_um, beside_um)
 
     def summary(self) -> Summary:
         """What is reached, where not and why, and the predicted error."""
@@ -145,12 +155,13 @@ class Waveform(Displayed):
         ahead = "one period" if self.periodic else f"begins {1e3 * self.lead * self.Ts_s:.4g} ms before the reference"
         lines.append(f"voltage: {u_V}, {self.u_V.size} samples every {1e6 * self.Ts_s:.6g} us, {ahead}")
         if self.predicted_um is None:
-            lines.append("predicted error of the stage: unknown, for the model file holds no score")
+            lines.append("predicted error of the stage: unknown, for the model file holds no score; --learn a play")
         else:
-            within_um = self.largest_um + PROBABLE * (self.model_rms_um or 0.0)
+            within_um = self.largest_um + PROBABLE * math.sqrt(max(self.predicted_um**2 - self.rms_um**2, 0.0))
+            own = f"; the largest of the model on its own record is {self.model_largest_um or 0.0:.4g} um"
             lines.append(
-                f"predicted error of the stage: {self.predicted_um:.4g} um rms, 95 % of it within +-{within_um:.4g} "
-                f"um; the largest of the model on its own record is {self.model_largest_um:.4g} um"
+                f"predicted error of the stage: {self.predicted_um:.4g} um rms, 95 % of it within +-{within_um:.4g} um"
+                + ("" if self.model_largest_um is None else own)
             )
         return Summary(f"{self.reference.source}: {self._verdict()}", first=lines)
 
