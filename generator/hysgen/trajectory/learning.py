@@ -37,7 +37,7 @@ from hysgen.model.model import Model
 from hysgen.model.residual import residual_noise
 from hysgen.model.simulate import rest_um
 from hysgen.record import Record
-from hysgen.trajectory.inverse import own_response
+from hysgen.trajectory.inverse import in_whole_samples, own_response
 from hysgen.trajectory.limits import Limits, limits_of
 from hysgen.trajectory.plan import Learning, Waveform, lead_samples, plan
 from hysgen.trajectory.reference import Sampled, Series, at_rate
@@ -84,7 +84,7 @@ def learn(
 
     loop: as for `plan`, and for the plays. Raises RecordError for a play that does not cover the reference.
     """
-    stage, n = own_response(model), reference.values.size
+    (stage, _), n = in_whole_samples(own_response(model)), reference.values.size
     lead = lead_samples(stage, reference.values, limits_of(model, given), loop)
     volts: list[Floats] = []
     answers: list[Floats] = []
@@ -189,7 +189,7 @@ def _unforeseen(
         answered, other = (dct(course[late] - course[early], norm="ortho") for course in (answers, missed))
         along = _near(answered * other) ** 2 / np.maximum(_near(answered**2), 1e-300)
         otherwise += max(float(np.mean(_near(other**2) - along)) - 2.0 * noise_um**2, 0.0)
-        moves += per_V**2 * float(np.var((volts[late] - volts[early])[-n:]))
+        moves += per_V**2 * float(np.sum((volts[late] - volts[early]) ** 2)) / n
     return math.sqrt(otherwise / moves)
 
 

@@ -236,6 +236,8 @@ def plan(
     if any(isinstance(block, Hysteresis) for block in model.blocks) and not (loop or periodic):
         remarks.append("the stage is taken to come from rest; if it remembers other voltages, begin with a loop")
     planned, part = in_whole_samples(stage)
+    # What is learnt begins with the answer of the model that is planned with.
+    part = 0.0 if last_V is not None else part
     aim = wanted + part * np.diff(wanted, append=wanted[0] if periodic else wanted[-1])
     made = _period(planned, aim, limits) if periodic else _from_rest(planned, aim, limits, loop, last_V)
     volts, y, lead, cut_um, broken = made
@@ -293,10 +295,11 @@ def _loop(stage: Model, wanted: Floats, limits: Limits) -> Floats:
 def _from_rest(stage: Model, wanted: Floats, limits: Limits, loop: bool, last_V: Floats | None) -> Made:
     before, rest_V = (_loop(stage, wanted, limits), limits.low_V) if loop else (np.zeros(0), None)
     before = np.concatenate([before, np.full(preview_samples(stage), wanted[0])])
+    # What a loop leaves behind is the past: its voltages stay, but for the last ones on the way to the reference, which
+    # limits move.
+    first = before.size - preview_samples(stage) - (AHEAD if loop else 0)
     course = np.concatenate([before, wanted, np.full(preview_samples(stage) + 1, wanted[-1])])
     scored = slice(before.size, before.size + wanted.size)
-    # What a loop leaves behind is the past: its voltages stay, but for the last ones on the way to the reference.
-    first = scored.start - preview_samples(stage) - (AHEAD if loop else 0)
     volts, answer, cut_um, broken = _limited(stage, course, limits, scored, scored, first, rest_V, last_V)
     return volts[: scored.stop], answer[scored], before.size, cut_um, broken
 
