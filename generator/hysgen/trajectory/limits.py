@@ -29,7 +29,7 @@ from hysgen.model.path.base import InputBlock, StateSpace, series
 from hysgen.model.path.hysteresis import Hysteresis
 from hysgen.model.path.limits import Saturation, Slew
 from hysgen.trajectory.interior_point import least
-from hysgen.trajectory.inverse import inverse, inverse_of_path, without_unstable
+from hysgen.trajectory.inverse import inverse_of_path
 
 Floats = NDArray[np.float64]
 
@@ -123,9 +123,8 @@ def best_within(
 ) -> tuple[Floats, Floats]:
     """A voltage inside its limits with the least error along y, (n + 1,), and the answer of the model to it.
 
-    tried: voltages, (n,), to begin with, first that of the exact inverse; before the sample `first` they agree, and
-    stay as they are. The programmes count the error on the rows `counted`. On the rows `scored` it is never worse than
-    that of one of them cut at the limits, nor of the inverse that leaves out what has no stable inverse.
+    tried: voltages, (n,), to begin with, as they stay before the sample `first`. The programmes count the error on the
+    rows `counted`. On the rows `scored` it is never worse than that of one of them cut at the limits.
     """
 
     def judged(volts: Floats) -> tuple[float, Floats, Floats]:
@@ -135,9 +134,7 @@ def best_within(
     def nearest(voltages: Iterable[Floats]) -> tuple[float, Floats, Floats]:
         return min(map(judged, voltages), key=lambda pair: pair[0])
 
-    emitted = inverse(without_unstable(model), y_um, float(tried[0][0]))
-    emitted[0] = tried[0][0]
-    best = nearest(clipped(volts, limits, model.Ts_s) for volts in (*tried, emitted))
+    best = nearest(clipped(volts, limits, model.Ts_s) for volts in tried)
     for _ in range(ROUNDS):
         before, volts, answer = best
         if np.abs(answer - y_um)[scored].max() < REACHED * np.ptp(y_um):

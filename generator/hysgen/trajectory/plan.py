@@ -15,12 +15,13 @@ from hysgen.trajectory.inverse import (
     CORRECTIONS,
     corrected_inverse,
     in_whole_samples,
+    inverse,
     own_response,
     preview_samples,
     rest_voltage,
     without_unstable,
 )
-from hysgen.trajectory.limits import MEAN_SQUARE, MOVED, REACHED, SPREAD, Limits, best_within, clipped, limits_of
+from hysgen.trajectory.limits import MEAN_SQUARE, MOVED, REACHED, Limits, best_within, clipped, limits_of
 from hysgen.trajectory.reference import Sampled
 
 Floats = NDArray[np.float64]
@@ -360,12 +361,14 @@ def _limited(
         return np.clip(volts, limits.low_V, limits.high_V), answer, None, broken
     cut = clipped(volts, limits, stage.Ts_s)
     cut_um = float(np.abs(stage.simulate(np.append(cut, cut[-1])) - course)[scored].max())
-    tried, spread = [volts], SPREAD
-    if last_V is not None:
-        # What a play measured of a loop holds the noise of a monitor: the planned one stays.
-        last_V = np.concatenate([volts[:first], last_V[first:], np.full(max(volts.size - last_V.size, 0), last_V[-1])])
-        tried, spread = [volts, last_V], MEAN_SQUARE
-    return *best_within(stage, course, tried, limits, scored, counted, first, spread), cut_um, broken
+    if last_V is None:
+        # What leaves out the blocks that have no stable inverse, as the emitted one does, may be nearer when it is cut.
+        emitted = inverse(without_unstable(stage), course, rest_V)
+        emitted[0] = rest_V
+        return *best_within(stage, course, [volts, emitted], limits, scored, counted, first), cut_um, broken
+    # What a play measured of a loop holds the noise of a monitor: the planned one stays.
+    last_V = np.concatenate([volts[:first], last_V[first:], np.full(max(volts.size - last_V.size, 0), last_V[-1])])
+    return *best_within(stage, course, [last_V], limits, scored, counted, first, MEAN_SQUARE), cut_um, broken
 
 
 def _spans(missed: NDArray[np.bool_], start_s: float, Ts_s: float) -> tuple[tuple[float, float], ...]:
