@@ -3,7 +3,7 @@
 python benchmarks/loops.py          bandwidths and margins, and the worst of a thousand chains after a push
 python benchmarks/loops.py track    rms and largest error of tasks by method, on a chain behind an elasto-slide actuator
 python benchmarks/loops.py track 0  the same on the virtual laboratory stage
-python benchmarks/loops.py track 2  the same on two masses, on which nothing was tuned
+python benchmarks/loops.py track 2  the same on two masses, which showed two faults of the waveform
 
 Behind each error stands the rms of the part that repeats: the error of the stage without noise and drift. `limits` is
 the least rms that the amplifier allows: a quadratic programme over every voltage inside range and rate, about the true
