@@ -32,7 +32,7 @@ from hysgen.diagnosis.causes.creep import CreepPart
 from hysgen.diagnosis.causes.drift import DriftPart
 from hysgen.diagnosis.causes.hysteresis import RelaxationPart
 from hysgen.diagnosis.causes.unknown import SuddenPart, UnknownCause
-from hysgen.diagnosis.identifiability import Ability, abilities
+from hysgen.diagnosis.identifiability import Ability, _Information, abilities
 from hysgen.diagnosis.prepare import prepare
 from hysgen.diagnosis.probe import Chain, Mode, Scene, Trace, linear_fit, refine, rms, whitened_fit
 from hysgen.diagnosis.procedure import name_causes
@@ -144,6 +144,27 @@ def test_a_cause_that_copies_a_part_of_the_chain_is_hidden_by_it() -> None:
     seen = scene(LAG, 0.1 * T_S, aux={"clock": T_S.copy()})
     coupling = told(seen, LAG.having(DriftPart()))["coupling"]
     assert (coupling.verdict, coupling.hidden_by) in {("hidden", "drift"), ("not excited", "")}
+
+
+@pytest.mark.parametrize("start", [Mode(60.0, 0.3, 0.05), Mode(60.0, 0.05, 0.05), Mode(120.0, 0.2, -0.5)])
+def test_a_peak_whose_place_is_not_known_is_no_mode(start: Mode) -> None:
+    """A second lag beside the first is described by a broad mode at any frequency; a mode is found from each start."""
+    resonance, chain = causes()["resonance"], LAG.having(Modes.of([start], LAG.lag_s))
+    slower = scene(LAG, 0.02 * respond(respond(COMMAND_V, Chain(2e-3, memory=False), TS_S), LAG, TS_S))
+    ringing = scene(LAG.having(Modes.of([Mode(60.0, 0.05, 0.05)], LAG.lag_s)))
+    assert not resonance.admissible(slower, refine(slower, chain))
+    assert resonance.admissible(ringing, refine(ringing, chain))
+
+
+def test_what_only_the_lag_hides_is_hidden_by_no_cause() -> None:
+    """A chain of a curve alone has no other cause; memory that moves as the lag does must not end in an exception."""
+    residual = Residual(scene(LAG), refine(scene(LAG), LAG))
+    information = _Information.of(residual)
+    lagging = np.zeros(SAMPLES)
+    lagging[information.scored.scene.rows] = information.parts[""][-1]
+    *_, share, hidden_by = information.least("memory", lagging + 1e-3 * AXIS2_V)
+    assert share < 0.1
+    assert hidden_by == ""
 
 
 def test_a_command_that_stands_still_excites_no_delay() -> None:

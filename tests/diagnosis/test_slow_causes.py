@@ -1,5 +1,7 @@
 """Slow causes result apart, what pays, and how far a command leads: the decisions of the diagnosis, each seen alone."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -132,6 +134,10 @@ def test_a_record_that_starts_with_a_jump_has_the_creep_of_the_level_of_its_firs
 def test_aging_of_a_stage_with_hysteresis_is_named() -> None:
     naming = name_causes(record_of("aging", 0))
     assert naming.names == ("memory", "aging")
+    assert naming.confidence["aging"] > 0.99
+    refuted = {name: dataclasses.replace(one, z=0.2) for name, one in naming.signatures.items()}
+    unsure = dataclasses.replace(naming, signatures=refuted).confidence
+    assert unsure == {"memory": naming.confidence["memory"], "aging": pytest.approx(0.505, abs=0.001)}
 
 
 def test_aging_has_starting_values_of_both_signs() -> None:

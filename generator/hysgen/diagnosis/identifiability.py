@@ -179,7 +179,7 @@ class _Information:
         share, hidden_by = power / whole, ""
         if share < LEAST_SHARE:
             without = {part: self._beside(direction, [one for one in kept if one != part]) for part in kept if part}
-            hidden_by = max(without, key=lambda part: float(without[part] @ without[part]))
+            hidden_by = max(without, key=lambda part: float(without[part] @ without[part]), default="")
         return least, share, hidden_by
 
     def _beside(self, direction: Floats, parts: list[str]) -> Floats:

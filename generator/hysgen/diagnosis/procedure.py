@@ -102,8 +102,9 @@ class Naming:
 
     @property
     def confidence(self) -> dict[str, float]:
-        """Confidence of every cause in the chain."""
-        return {name: self.found.confidence[name] for name in present(self.found.fit.chain)}
+        """Confidence of every cause in the chain: that of the search, as far as the error of its amount leaves it."""
+        most = {name: signature.most_confidence for name, signature in self.signatures.items()}
+        return {name: min(self.found.confidence[name], most.get(name, 1.0)) for name in present(self.found.fit.chain)}
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -349,7 +350,7 @@ def _scored(
                 step=step,
                 alone=alone.get(name),
                 cold_um=(cold[i], cold[j]),
-                confidence=naming.found.confidence.get(name) if name in naming.found.bayes else None,
+                confidence=naming.confidence[name] if name in naming.found.bayes else None,
                 bayes=naming.found.bayes.get(name),
                 probe_gain=naming.found.error_growth.get(name),
                 share=shares.get(name, 0.0),

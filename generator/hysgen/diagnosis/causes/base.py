@@ -95,6 +95,14 @@ class Signature:
     text: str
     parameters: Mapping[str, Estimate] = field(default_factory=dict)
 
+    @property
+    def most_confidence(self) -> float:
+        """The probability that its own standard error leaves at most, 1 without an amount: p / (1 - p) = exp(z^2 / 2).
+
+        The likelihood ratio of a Gaussian amount, z standard errors from 0, against nothing.
+        """
+        return 1.0 / (1.0 + math.exp(-0.5 * self.z**2)) if self.parameters else 1.0
+
 
 @dataclass(frozen=True, eq=False)
 class Effect:

@@ -5,7 +5,7 @@ import functools
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from hysgen.diagnosis.remedy import Advice, Motion, Seen, voltage_step
 from hysgen.errors import FitError
 from hysgen.fitting.structure import ModalForm, identify_structure, structure_parts
 from hysgen.model.path.modes import MODE, Modes
+from hysgen.model.remaining import LEAST_EVIDENCE
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +49,10 @@ EARLIEST = 0.25
 MOST_MODES = 3
 KNOWN = 5e-3
 """Largest standard error of a frequency that is named, as a share of it: a fraction of the width of a light mode."""
+
+
+CERTAIN: Final = math.sqrt(LEAST_EVIDENCE)
+"""Least half-width of a mode in standard errors of its frequency, as rare in a Gaussian as a wrong name."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +106,11 @@ class ResonanceCause(Cause):
     starts = 3  # slow misfit can favour a wrong mode; a refinement does not cross the true damping ratio
 
     def admissible(self, scene: Scene, fit: Fit) -> bool:
-        """Whether the motion drives each mode with at least the power of what rang before the record.
+        """Whether the motion drives each mode with the power of what rang before the record, and one has a known place.
 
-        The columns of the ringing cost no order: a mode that only rings is a line, which nothing drives.
+        The columns of the ringing cost no order: a mode that only rings is a line, which nothing drives. Peaks of which
+        none has a place known within its own half-width describe what a lag and the hysteresis miss behind fast moves;
+        a share says less, because the lag changes with it.
         """
         chain = fit.chain
         residual, ringing = Residual(scene, fit), scene.added_columns(chain)[chain.first_column(Modes) :]
@@ -113,7 +120,10 @@ class ResonanceCause(Cause):
             driven = residual.changed_by(fewer)[scene.rows]
             if float(driven @ driven) < float(rung @ rung):
                 return False
-        return True
+        if not chain.modes:
+            return True
+        errors = standard_errors(scene, fit).coordinates
+        return any(mode.zeta >= CERTAIN * errors[f"resonance.{i}.f_Hz"] for i, mode in enumerate(chain.modes))
 
     def without_one_part(self, chain: Chain) -> list[Chain]:
         modes = chain.modes
