@@ -41,6 +41,7 @@ from hysgen.errors import FitError
 from hysgen.fitting import (
     FitSettings,
     PathColumns,
+    PathSize,
     fit,
     fit_path,
     known_past,
@@ -110,6 +111,7 @@ def fit_ladder(
     )
     weights = _by_segment(trust, [s.samples for s in part.segments])
     if any(extension.on_path for extension in chosen):
+        extended = dataclasses.replace(extended, memory=_size(chosen))
         problem = _path_problem(prepared, chosen, extended, level)
         weights = known_past(part, weights, extended.blocks)
         if skip is None:
@@ -127,16 +129,19 @@ def fit_ladder(
     return _rung(names, model, level)
 
 
+def _size(chosen: Sequence[Extension]) -> PathSize | None:
+    """The size of the hysteresis, None for a curve; the model file keeps it, for a fit to another record."""
+    # A later cause on the ladder, such as relaxation, may require another size than memory does.
+    size = next((extension.size for extension in reversed(chosen) if extension.size is not None), None)
+    relaxation = max(extension.relaxation for extension in chosen)
+    return size if size is None or not relaxation else dataclasses.replace(size, relaxation=relaxation)
+
+
 def _path_problem(prepared: Prepared, chosen: Sequence[Extension], settings: FitSettings, level: Record) -> PathColumns:
     """The path with the blocks of the chosen extensions over the identification part; a curve without memory."""
     lags_s = [extension.lag_s for extension in chosen if extension.lag_s is not None]
     part = level if prepared.cut == prepared.record.samples else level.rows(0, prepared.cut)
-    # A later cause on the ladder, such as relaxation, may require another size of the hysteresis than memory does.
-    size = next((extension.size for extension in reversed(chosen) if extension.size is not None), None)
-    relaxation = max(extension.relaxation for extension in chosen)
-    if size is not None and relaxation:
-        size = dataclasses.replace(size, relaxation=relaxation)
-    task = path_task(part, dataclasses.replace(settings, memory=size, lag_s=lags_s[0] if lags_s else None), level)
+    task = path_task(part, dataclasses.replace(settings, lag_s=lags_s[0] if lags_s else None), level)
     content = (settings.rising, *(extension.content for extension in chosen))
     trust = _by_segment(prepared.trust, [s.samples for s in part.segments])
     return prepared.paths.get(content, lambda: path_columns(task, known_past(part, trust, settings.blocks)))
