@@ -132,7 +132,9 @@ def run_experiment(arguments: argparse.Namespace, console: Console) -> int:
     stated = {"low_V": low_V, "high_V": high_V, "slew_V_s": arguments.slew, "seconds": arguments.seconds}
     study = diagnose(record, None, DiagnoseSettings(resume=True), console.progress)
     planned = next_experiment(study, **{name: value for name, value in stated.items() if value is not None})
-    rows = [[now.name, now.text(), then.text()] for now, then in zip(planned.now, planned.then, strict=True)]
+    # A cause that a named one holds, as memory holds the curve, is listed on one side alone.
+    now, then = ({ability.name: ability.text() for ability in side} for side in (planned.now, planned.then))
+    rows = [[name, *(side.get(name, "held by what is named") for side in (now, then))] for name in now | then]
     console.say(f"{planned.words}\n\n{table(('cause', 'this record', 'the next one (predicted)'), rows)}\n")
     write_whole(Path(arguments.output), planned.csv())
     console.say(f"written: {arguments.output} ({len(planned.u_V)} rows, {len(planned.u_V) * planned.Ts_s:.4g} s)")
