@@ -141,13 +141,14 @@ class Waveform(Displayed):
         return float(np.sqrt(np.mean((self.y_um - self.reference.values) ** 2)))
 
     @property
-    def predicted_um(self) -> float | None:
-        """Predicted rms error of the stage: what the limits leave and the error of the model, as independent errors.
+    def beside_um(self) -> float | None:
+        """Predicted rms error beside that by limits: of the model on its record or, which says more, of repeats."""
+        return self.model_rms_um if self.learning is None else self.learning.predicted_um
 
-        The repeats say more than the record that identified the model, and a model file need not hold that.
-        """
-        beside_um = self.model_rms_um if self.learning is None else self.learning.predicted_um
-        return None if beside_um is None else math.hypot(self.rms_um, beside_um)
+    @property
+    def predicted_um(self) -> float | None:
+        """Predicted rms error of the stage: what the limits leave, and what is beside it, as independent errors."""
+        return None if self.beside_um is None else math.hypot(self.rms_um, self.beside_um)
 
     def summary(self) -> Summary:
         """What is reached, where not and why, and the predicted error."""
@@ -155,15 +156,14 @@ class Waveform(Displayed):
         u_V = f"{self.u_V.min():.4g} .. {self.u_V.max():.4g} V"
         ahead = "one period" if self.periodic else f"begins {1e3 * self.lead * self.Ts_s:.4g} ms before the reference"
         lines.append(f"voltage: {u_V}, {self.u_V.size} samples every {1e6 * self.Ts_s:.6g} us, {ahead}")
-        if self.predicted_um is None:
+        if self.beside_um is None:
             lines.append("predicted error of the stage: unknown, for the model file holds no score; --learn a play")
         else:
-            within_um = self.largest_um + PROBABLE * math.sqrt(max(self.predicted_um**2 - self.rms_um**2, 0.0))
-            own = f"; the largest of the model on its own record is {self.model_largest_um or 0.0:.4g} um"
-            lines.append(
-                f"predicted error of the stage: {self.predicted_um:.4g} um rms, 95 % of it within +-{within_um:.4g} um"
-                + ("" if self.model_largest_um is None else own)
-            )
+            within_um = self.largest_um + PROBABLE * self.beside_um
+            own_um = self.model_largest_um
+            own = "" if own_um is None else f"; the largest of the model on its own record is {own_um:.4g} um"
+            total = f"{self.predicted_um:.4g} um rms, 95 % of it within +-{within_um:.4g} um{own}"
+            lines.append(f"predicted error of the stage: {total}")
         return Summary(f"{self.reference.source}: {self._verdict()}", first=lines)
 
     def _verdict(self) -> str:
