@@ -15,6 +15,7 @@ from hysgen.model.path.structure import Structure
 from hysgen.model.rivals import fit_proportional
 from hysgen.record import Record
 from hysgen.record.segment import Segment
+from hysgen.trajectory.passing import learnt, passing
 from hysgen_lab.stage.families import Plant, plant, records
 from hysgen_lab.stage.measure import run
 
@@ -85,7 +86,7 @@ def test_a_repeat_that_made_the_error_worse_is_left_and_learning_stops_there() -
     assert rms(plan.y_um - wanted) < 1e-6
 
 
-def test_a_mode_that_the_model_lacks_is_driven_up_once_at_most() -> None:
+def test_a_mode_that_the_model_lacks_is_learnt_from_what_was_played() -> None:
     """At the mode the stage moves several times what the model says, and against it just above."""
     model = hysgen.load_model("appendix_a")
     form = hysgen.Form(0.3, f_Hz=50.0, periods=4)
@@ -99,10 +100,8 @@ def test_a_mode_that_the_model_lacks_is_driven_up_once_at_most() -> None:
         errors.append(rms(y_um[plan.lead :] - wanted))
         plays.append(played(plan, y_um))
         plan = hysgen.waveform(model, "triangle", form, plays=plays)
-    assert errors[1] > 2.0 * errors[0]
-    assert max(errors[2:]) < errors[0]
-    assert plan.learning is not None
-    assert 1e-3 < plan.learning.stays_um < errors[0]
+    assert errors[1] < 1.5 * errors[0]
+    assert max(errors[3:]) < 0.35 * errors[0]
 
 
 def test_a_stage_within_its_uncertainty_nears_its_noise_with_every_repeat() -> None:
@@ -125,10 +124,25 @@ def test_a_stage_within_its_uncertainty_nears_its_noise_with_every_repeat() -> N
         assert len(errors) == 1 or errors[-1] < 1.1 * (plan.predicted_um or 0.0)
         plays.append(played(plan, y_um))
         plan = hysgen.waveform(own, "triangle", form, plays=plays)
-    assert errors[1] < 0.1 * errors[0]
-    assert max(errors[2:]) < 0.5 * errors[1]
-    assert plan.learning is not None
-    assert max(errors[3:]) < np.hypot(plan.learning.stays_um, 1.2 * noise_um)
+    assert errors[1] < 2.0 * noise_um
+    assert max(errors[2:]) < 1.5 * noise_um
+
+
+def test_an_error_is_learnt_the_slower_the_more_its_voltage_moves_what_the_model_does_not_foresee() -> None:
+    """The second play moves the voltage at 4 kHz and the stage besides, below 100 Hz, by 4 % of that at rest."""
+    model, n, amplitude_V, share = hysgen.load_model("appendix_a"), 4000, 3.0, 0.04
+    time_s, middle_V = model.Ts_s * np.arange(n), 0.5 * (model.u_min_V + model.u_max_V)
+    fast_V = amplitude_V * np.sin(2.0 * np.pi * 4000.0 * time_s)
+    at_rest, answers = (model.simulate(middle_V + part * fast_V) for part in (0.0, 1.0))
+    per_V = float(np.ptp(model.simulate(np.repeat([middle_V, middle_V + amplitude_V], n)))) / amplitude_V
+    slow_um = share * per_V * amplitude_V * np.sin(2.0 * np.pi * np.array([[30.0], [90.0]]) * time_s).sum(axis=0)
+    shares = []
+    for besides_um in (np.zeros(n), slow_um / np.sqrt(2.0)):
+        passed = passing(model, [at_rest, answers], [np.zeros(n), besides_um], [1, 1], 1e-5)
+        shares.append(abs(learnt(model, passed, np.array([4000.0]))[0][0]))
+    gain = rms(answers[n // 2 :] - at_rest[n // 2 :]) / (per_V * amplitude_V / np.sqrt(2.0))
+    assert passed.otherwise == pytest.approx(share, rel=0.15)
+    assert shares[1] / shares[0] == pytest.approx(1.0 / (1.0 + (share / gain) ** 2), rel=0.15)
 
 
 def test_a_corner_that_a_limit_hides_from_the_model_is_left_and_the_rest_learnt() -> None:

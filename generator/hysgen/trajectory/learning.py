@@ -2,20 +2,15 @@
 
     e = r - y,   next reference = m + Q e,   m = answer of the model to the voltage that was played
 
-in the discrete cosine transform, whose basis is even at both ends. The voltage of the next reference is the inverse of
-the model, so a stage P' whose model is P leaves (1 - Q T) e, T = P'/P, noise apart:
+The voltage of the next reference is the inverse of the model, so a stage P' whose model is P leaves (1 - Q T) e, T =
+P'/P, noise apart:
 
     Q = q (1 - s^2/S_e), 0 where S_e < NOISE_FACTOR s^2        S_e(f): power of e near f, s^2: of what does not repeat
-    q = min(mean Re T/mean |T|^2, MOST min Re T/|T|^2)         over draws of the uncertainty of the model
 
-q leaves least in the mean square, as far as every draw leaves less than there was. Where the stage passes the share g
-of what it passes at rest, mending e moves the voltage by e/g, and hystereses with it; as far as plays showed that they
-move otherwise than the model says, by the share p of what a voltage moves at rest, q is divided by 1 + (p/g)^2, which
-makes (1 - q)^2 e^2 + (q p e/g)^2 least. q is 0 where there is none, where the stage hardly passes, and where a repeat
-made the error grow beyond what the model foresaw: inside limits that bind, the voltage of least mean square lets some
-grow. Where all of Q is 0, there is nothing to learn. At times where two repeats did not lower the error that they were
-to lower, and at most times did, as behind a limit that the model lacks, e and m are those of the repeat with the least
-error there, and e is not learnt.
+of the error mirrored at its end, so that it has none; q, which turns and scales e at each frequency, is that of
+`passing`: what the plays say that the stage passes, as far as they do. Where all of Q is 0, there is nothing to learn.
+At times where two repeats did not lower the error that they were to lower, and at most times did, as behind a limit
+that the model lacks, e and m are those of the repeat with the least error there, and e is not learnt.
 Source: Bristow, Tharayil and Alleyne, IEEE Control Systems 26 (2006) 96-114, plant inversion and the Q-filter.
 """
 
@@ -27,18 +22,16 @@ from itertools import pairwise
 import numpy as np
 import scipy  # its parts are imported where they work
 from numpy.typing import NDArray
-from scipy.fft import dct, idct
+from scipy.fft import dct
 from scipy.ndimage import maximum_filter1d
 
 from hysgen.errors import RecordError
-from hysgen.feedback.stage import Uncertainty, draws, frequencies, response
-from hysgen.feedback.stage import stage as stage_of
 from hysgen.model.model import Model
 from hysgen.model.residual import residual_noise
-from hysgen.model.simulate import rest_um
 from hysgen.record import Record
 from hysgen.trajectory.inverse import in_whole_samples, own_response
 from hysgen.trajectory.limits import Limits, limits_of
+from hysgen.trajectory.passing import learnt, passing
 from hysgen.trajectory.plan import Learning, Waveform, lead_samples, plan
 from hysgen.trajectory.reference import Sampled, Series, at_rate
 
@@ -50,18 +43,12 @@ NOISE_FACTOR = 2.0
 TRUSTED = 0.8
 """Largest relative error of the model with which a repeat leaves less than it finds, with a margin of a fifth."""
 
-DRAWS, MOST = 128, 1.6
-"""Draws of the stage; largest share that is learnt, in Re T/|T|^2: with 2 an error stays as large as it was."""
+FALLEN, FORESEEN = 0.8, 0.9
+"""Share of the mean square near a time that stays where two repeats did not lower it; and that a repeat was to leave,
+by the model, above which it does not matter: limits that the model knows leave it."""
 
-LEAST_GAIN = 0.02
-"""Gain of the stage, against that at rest, below which it hardly passes: the voltage would rather move hystereses."""
-
-GROWN = 1.2
-"""Factor by which the power of an error has grown near a frequency where learning made it worse."""
-
-FORESEEN = 0.9
-"""Share of the mean square near a time that a repeat was to leave, by the model, above which it does not matter that it
-did not lower it: limits that the model knows leave it."""
+MOST_LEFT = 0.99
+"""Largest share of an error that is said to be left of what is learnt: the mean over the draws is less than all."""
 
 NEAR = 1 / 16
 """Share of a repeat to both sides of a time over which an error is averaged: long beside lag and ringing of a stage
@@ -117,32 +104,24 @@ def learn(
     moved = [np.zeros(n), *(later - earlier for earlier, later in pairwise(answers))]
     foreseen = [e - change for e, change in zip([errors[0], *errors], moved, strict=False)]
     weights, trust = _by_time(errors, foreseen, base, noise_um)
-    spectra = [np.asarray(dct(trust * e, norm="ortho")) for e in errors]
     from_um, error_um = (np.sum(weights * courses, axis=0) for courses in (answers, errors))
     spectrum = np.asarray(dct(trust * error_um, norm="ortho"))
     power, noise = _power(spectrum), noise_um**2 / counts[base]
-    share, remains, gain = converging(model, np.arange(n) / (2.0 * n * model.Ts_s))
-    share /= 1.0 + (_unforeseen(model, volts, answers, missed, noise_um) / gain) ** 2
-    least = _power(spectra[0])
-    for late, by in pairs:
-        change, promised = (_power(dct(trust * course[late], norm="ortho")) for course in (moved, foreseen))
-        unseen = NOISE_FACTOR * noise_um**2 * by
-        worse = _power(spectra[late]) > GROWN * np.maximum(least, promised) + unseen
-        share[(change > unseen) & worse] = 0.0
-        least = np.minimum(least, _power(spectra[late]))
+    passed = passing(model, answers, missed, counts, noise_um)
+    share, remains = learnt(model, passed, np.arange(n + 1) / (2.0 * n * model.Ts_s))
     # Over a whole repeat, above the noise and but for a constant.
     wrong = float(np.var(missed[base])) - noise_um**2 > TRUSTED**2 * float(np.var(answers[base]))
     above = power > NOISE_FACTOR * noise
-    Q = np.where(above & (not wrong), share * (1.0 - noise / np.maximum(power, 1e-300)), 0.0)
-    untrusted = float(np.sum((1.0 - trust**2) * (error_um**2 - noise)))
-    learnt, stays = np.flatnonzero(Q > 0.0), (np.sum((power - noise)[above & (Q == 0.0)]) + max(untrusted, 0.0)) / n
-    aim = from_um + np.asarray(idct(Q * spectrum, norm="ortho"))
+    Q = np.where(above & (not wrong), share[:n] * (1.0 - noise / np.maximum(power, 1e-300)), 0.0)
+    rows, repeats, lost = np.flatnonzero(Q), power - noise, (1.0 - trust**2) * (error_um**2 - noise)
+    parts = (np.sum(repeats[above & (Q == 0.0)]), np.sum(repeats[~above]), np.sum(lost))
+    stays = sum(max(float(part), 0.0) for part in parts) / n
+    mirrored = np.concatenate([trust * error_um, (trust * error_um)[::-1]])
+    aim = from_um + np.fft.irfft(np.append(Q, 0.0) * np.fft.rfft(mirrored))[:n]
     wanted = Sampled(aim, reference.start_s, f"{reference.source}, next repeat", reference.remarks)
-    highest = None if not learnt.size else float(learnt[-1]) / (2.0 * n * model.Ts_s)
-    leaves = (
-        1.0 if wrong else math.sqrt(np.sum(remains[learnt] ** 2 * power[learnt]) / max(np.sum(power[learnt]), 1e-300))
-    )
-    learning = Learning(tuple(rms), noise_um, base + 1, highest, leaves, math.sqrt(stays))
+    highest = None if not rows.size else float(rows[-1]) / (2.0 * n * model.Ts_s)
+    leaves = float(np.sum(np.minimum(remains[rows], MOST_LEFT) ** 2 * power[rows]) / max(np.sum(power[rows]), 1e-300))
+    learning = Learning(tuple(rms), noise_um, base + 1, highest, 1.0 if wrong else math.sqrt(leaves), math.sqrt(stays))
     return replace(plan(model, wanted, given, loop=loop, last_V=volts[base]), learning=learning)
 
 
@@ -167,7 +146,9 @@ def _by_time(errors: Sequence[Floats], foreseen: Sequence[Floats], base: int, no
         least = power[: k - 1].min(axis=0)
         ratio = power[k - 1 : k + 1].min(axis=0) / (least + NOISE_FACTOR * noise_um**2)
         stays[
-            (ratio > 1.0) & (promised[k - 1 : k + 1].max(axis=0) < FORESEEN * least) & bool(np.median(ratio) < 1.0)
+            (ratio > FALLEN)
+            & (promised[k - 1 : k + 1].max(axis=0) < FORESEEN * least)
+            & bool(np.median(ratio) < FALLEN)
         ] = 1.0
     # A window has no weight at its ends.
     back, reached = near(stays), maximum_filter1d(stays, 2 * half - 1, mode="constant")
@@ -175,38 +156,6 @@ def _by_time(errors: Sequence[Floats], foreseen: Sequence[Floats], base: int, no
     weights = np.array([back * near(row.astype(np.float64)) for row in best])
     weights[base] += 1.0 - weights.sum(axis=0)
     return weights, 1.0 - near(reached)
-
-
-def _unforeseen(
-    model: Model, volts: Sequence[Floats], answers: Sequence[Floats], missed: Sequence[Floats], noise_um: float
-) -> float:
-    """What the stage did otherwise than the model, above the noise, as a share of what the changes move at rest."""
-    full_um = rest_um(model, model.u_max_V, {}) - rest_um(model, model.u_min_V, {})
-    per_V = full_um / (model.u_max_V - model.u_min_V)
-    n, otherwise, moves = missed[0].size, 0.0, 1e-300
-    for early, late in pairwise(range(len(volts))):
-        # A stage that is otherwise linear answers by a part of what the model does: that is not of hystereses.
-        answered, other = (dct(course[late] - course[early], norm="ortho") for course in (answers, missed))
-        along = _near(answered * other) ** 2 / np.maximum(_near(answered**2), 1e-300)
-        otherwise += max(float(np.mean(_near(other**2) - along)) - 2.0 * noise_um**2, 0.0)
-        moves += per_V**2 * float(np.sum((volts[late] - volts[early]) ** 2)) / n
-    return math.sqrt(otherwise / moves)
-
-
-def converging(model: Model, f_Hz: Floats) -> tuple[Floats, Floats, Floats]:
-    """q at each frequency, (n,), the largest share of an error that it leaves in any draw, and the stage's gain there,
-    as a share of that at rest."""
-    given, grid_Hz = Uncertainty(), frequencies(model, Uncertainty())
-    z = np.exp(2j * math.pi * grid_Hz * model.Ts_s)
-    cloud = draws(model)[:DRAWS]
-    own = response(stage_of(model, np.zeros(cloud.shape[1]), given, 1.0), z)
-    T = np.array([response(stage_of(model, unit, given, 1.0), z) for unit in cloud]) / own
-    power = np.abs(T) ** 2
-    share = np.minimum(T.real.mean(axis=0) / power.mean(axis=0), MOST * np.min(T.real / power, axis=0))
-    share[(np.abs(own) < LEAST_GAIN) | (share < 0.0)] = 0.0
-    remains = np.abs(1.0 - share * T).max(axis=0)
-    gain = np.interp(f_Hz, grid_Hz, np.abs(own))
-    return np.interp(f_Hz, grid_Hz, share), np.interp(f_Hz, grid_Hz, remains), gain
 
 
 def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tuple[Floats, Floats]:

@@ -43,7 +43,7 @@ class Learning:
 
     noise_um: rms of what does not repeat. base: the voltage, from 1, that the next one starts from. highest_Hz: up to
     where the next one learns, None where nothing is. leaves: largest share of the rms of what it learns that the next
-    one leaves, by the uncertainty of the model. stays_um: rms of what repeats at frequencies that it does not learn.
+    one leaves, in 95 % of what the stage may be. stays_um: rms of what repeats at frequencies that it does not learn.
     """
 
     rms_um: tuple[float, ...]
@@ -74,7 +74,7 @@ class Learning:
             )
         if self.stays_um > 0.0:
             lines.append(
-                f"not learnt: {self.stays_um:.3g} um rms, where the stage hardly passes or is not known enough"
+                f"not learnt: {self.stays_um:.3g} um rms, near the noise or where the stage is not known enough"
             )
         if self.leaves >= 1.0:
             return [*lines, "NOT learnt: the model is wrong by most of what the stage moves; refit it with the repeat"]

@@ -1,0 +1,142 @@
+"""What the stage passes beside its model, by what was played, and how much of an error that allows to learn.
+
+    Y = T M + N,   T = P'/P = T_d + sum_t h(t) z^-t / P,   |N|^2 = s^2 + |P|^2 H
+
+M and Y are spectra of what a play changed in the answer of the model and in that of the stage, which cancels what
+repeats; the first play counts as a change from rest. T_d is a draw of the uncertainty of the model, h is small and soon
+over, as of modes that the model lacks. Gain, lag, delay, shares of the modes and h are estimated by least squares from
+their uncertainty on (Gauss and Newton). s: of the reading. H: what hystereses do otherwise than the model, as a
+voltage, smooth over frequency; it rings near a mode as the answer does, so lines near one are left out. Then
+
+    q = mean conj T / (mean |T|^2 + (p/|P|)^2)
+
+over draws of what is left of the uncertainty: the q that leaves least of an error e in the mean square. Where the stage
+passes the share |P| of what it passes at rest, mending e moves the voltage by e/|P| and hystereses with it, which move
+otherwise than the model says by the share p of what that voltage moves at rest.
+Source: Pillonetto and De Nicolao, Automatica 46 (2010) 81-93, the impulse response as a draw of a decaying process.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy  # its parts are imported where they work
+from numpy.typing import NDArray
+
+from hysgen.feedback.stage import Uncertainty, draws, frequencies, modes_of, response
+from hysgen.feedback.stage import stage as stage_of
+from hysgen.model.model import Model
+
+Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+BESIDE, REMEMBERED, TAPS = 0.05, 150.0, np.arange(-4, 300)
+"""Standard deviation of what passes beside the model, as a share of what the stage passes at rest; samples in which the
+power of its impulse response falls by e; delays of it in samples."""
+
+DRAWS, ROUNDS, MOST = 64, 4, 8.0
+"""Draws of the stage; rounds of Gauss and Newton; half widths of the uncertainty that a number may be off by."""
+
+NEAR_MODE, SMOOTH, TAPER = 0.15, 0.35, 0.1
+"""Share of its frequency to both sides of a mode whose lines are left out, and of a frequency over which H is averaged;
+share of a record that fades in and out."""
+
+LINES = 4096
+"""Lines of a spectrum at most: neighbours of a longer record are one line."""
+
+LEAST_KNOWN, SURE = 0.2, 0.95
+"""Share of the power of T, over the draws, that its mean has where it is known at all; share of the draws that leave no
+more than is said."""
+
+
+@dataclass(frozen=True, eq=False)
+class Passing:
+    """units: (draws, d) of `feedback.stage`; beside: (draws, taps) h; otherwise: p."""
+
+    units: Floats
+    beside: Floats
+    otherwise: float
+
+
+def passing(
+    model: Model, answers: Sequence[Floats], missed: Sequence[Floats], counts: Sequence[int], noise_um: float
+) -> Passing:
+    """Draws of what the stage passes after plays: answers of the model, (n,), and what it missed, over counts plays."""
+    n, first = answers[0].size, draws(model)[:DRAWS]
+    d, lines = first.shape[1], n // 2 + 1
+    free, taper = [0, 1, 2, *range(6, d, 3)], scipy.signal.windows.tukey(n, TAPER)
+    M, missing = (
+        np.fft.rfft(taper * np.array([c[0] - c[0].mean(), *(b - a for a, b in pairwise(c))])) for c in (answers, missed)
+    )
+    noise = (
+        noise_um**2
+        * float(np.sum(taper**2))
+        * np.array([1.0 / counts[0], *(1.0 / a + 1.0 / b for a, b in pairwise(counts))])
+    )
+    group = np.arange(lines) * min(lines, LINES) // lines
+    f_Hz = np.bincount(group, np.fft.rfftfreq(n, model.Ts_s)) / np.bincount(group)
+    P, T = _ratio(model, f_Hz)
+    of_h, gain = _beside(model, f_Hz) / P, np.abs(P[group])
+    used = np.all([np.abs(f_Hz / mode_Hz - 1.0) > NEAR_MODE for mode_Hz, _ in modes_of(model)], axis=0) & (f_Hz > 0.0)
+    unit, h, p = np.zeros(d), np.zeros(TAPS.size), len(free)
+    decay = np.exp(-np.abs(TAPS) / REMEMBERED)
+    prior = np.concatenate([np.ones(p), np.sum(decay) / (BESIDE**2 * decay)])
+    for _ in range(ROUNDS):
+        rest = missing - (T(unit) - 1.0 + h @ of_h)[group] * M
+        H = [_smooth(np.maximum(np.abs(r) ** 2 - s, 0.0)) for r, s in zip(rest, noise, strict=True)] / _smooth(gain**2)
+        weight = used[group] / (noise[:, None] + gain**2 * H)
+        power, along = np.sum(weight * np.abs(M) ** 2, axis=0), np.sum(weight * M.conj() * rest, axis=0)
+        slopes = np.concatenate([[(T(unit + 0.02 * e) - T(unit - 0.02 * e)) / 0.04 for e in np.eye(d)[free]], of_h])
+        weighed = slopes * np.sqrt(np.bincount(group, power))
+        rows = np.concatenate([weighed.real, weighed.imag], axis=1)
+        along = np.bincount(group, along.real) + 1j * np.bincount(group, along.imag)
+        now = np.append(unit[free], h)
+        curvature = 2.0 * rows @ rows.T + np.diag(prior)
+        now += np.linalg.solve(curvature, 2.0 * np.real(slopes.conj() @ along) - prior * now)
+        unit[free], h = np.clip(now[:p], -MOST, MOST), now[p:]
+    spread = np.linalg.inv(np.linalg.cholesky(curvature))
+    off = np.random.default_rng(0).standard_normal((DRAWS, p + h.size)) @ spread
+    units = first.copy()
+    units[:, free] = np.clip(unit[free] + off[:, :p], -MOST, MOST)
+    moved = np.sum(np.abs(M[1:] / P[group]) ** 2)
+    otherwise = max(np.sum(np.abs(rest[1:]) ** 2 - noise[1:, None]), 0.0) / max(moved, 1e-300)
+    return Passing(units, h + off[:, p:], math.sqrt(otherwise))
+
+
+def learnt(model: Model, passed: Passing, f_Hz: Floats) -> tuple[Complex, Floats]:
+    """q at each frequency, (n,), 0 where the stage is not known, and the share of an error that it leaves, at most."""
+    parts = 2 * TAPS.size
+    grid_Hz = np.union1d(frequencies(model, Uncertainty()), np.arange(1, parts) / (2 * parts * model.Ts_s))
+    P, T_of = _ratio(model, grid_Hz)
+    T = np.array([T_of(unit) for unit in passed.units]) + passed.beside @ (_beside(model, grid_Hz) / P)
+    mean, power = T.mean(axis=0), np.mean(np.abs(T) ** 2, axis=0)
+    q = np.conj(mean) / (power + (passed.otherwise / np.abs(P)) ** 2)
+    q[np.abs(mean) ** 2 < LEAST_KNOWN * power] = 0.0
+    leaves = np.quantile(np.abs(1.0 - q * T), SURE, axis=0)
+    return np.interp(f_Hz, grid_Hz, q), np.interp(f_Hz, grid_Hz, leaves)
+
+
+def _ratio(model: Model, f_Hz: Floats) -> tuple[Complex, Callable[[Floats], Complex]]:
+    """P at frequencies, (n,), and T_d of a draw, (d,)."""
+    z = np.exp(2j * math.pi * f_Hz * model.Ts_s)
+
+    def passes(unit: Floats) -> Complex:
+        return response(stage_of(model, unit, Uncertainty(), 1.0), z)
+
+    P = passes(np.zeros(draws(model).shape[1]))
+    return P, lambda unit: passes(unit) / P
+
+
+def _beside(model: Model, f_Hz: Floats) -> Complex:
+    """z^-t of each delay, (taps, n)."""
+    return np.asarray(np.exp(-2j * math.pi * model.Ts_s * np.outer(TAPS, f_Hz)))
+
+
+def _smooth(values: Floats) -> Floats:
+    """Mean over neighbours, whose number rises with frequency."""
+    sums, k = np.concatenate([[0.0], np.cumsum(values)]), np.arange(values.size)
+    half = 3 + (SMOOTH * k).astype(np.int64)
+    low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, values.size)
+    return np.asarray((sums[high] - sums[low]) / (high - low))
