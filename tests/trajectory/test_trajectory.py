@@ -53,6 +53,14 @@ def test_a_loop_over_the_whole_range_stays_inside_it_to_the_last_bit() -> None:
     assert plan.u_V.min() >= model.u_min_V
 
 
+def test_a_mode_that_rings_on_at_the_low_end_of_a_loop_is_not_stopped_there() -> None:
+    """A voltage below the least would stop it at once; none there can, and it would ring into the reference."""
+    hysteresis = next(block for block in hysgen.load_model("extended").blocks if block.kind == "hysteresis")
+    model = lag_model((hysteresis, Modes((557.0,), (0.0066,), (1.02,), -TS_S / math.log(LAG))))
+    plan = hysgen.waveform(model, np.full(500, float(model.simulate(np.full(4000, 50.0))[-1])), loop=True)
+    assert plan.largest_um < 1e-9
+
+
 @pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sets(st.sampled_from(["delay", "hysteresis", "creep", "modes", "structure"])))

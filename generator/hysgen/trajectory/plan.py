@@ -289,8 +289,10 @@ def _loop(stage: Model, wanted: Floats, limits: Limits) -> Floats:
     ]
     count = math.ceil(max(times_s) / stage.Ts_s)
     rise = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / count))
-    course = stage.simulate(limits.low_V + range_V * np.concatenate([rise, 1.0 - rise, np.zeros(count)]))
-    return np.concatenate([course, course[-1] + (wanted[0] - course[-1]) * rise])
+    course = stage.simulate(limits.low_V + range_V * np.concatenate([rise, 1.0 - rise, np.zeros(2 * count)]))
+    # From what rings on, and not from where it is: to stop it at once would take voltages below the least.
+    course[-count:] += (wanted[0] - course[-count:]) * rise
+    return course
 
 
 def _from_rest(stage: Model, wanted: Floats, limits: Limits, loop: bool, last_V: Floats | None) -> Made:
