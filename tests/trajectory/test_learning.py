@@ -93,7 +93,7 @@ def test_a_mode_that_the_model_lacks_is_learnt_from_what_was_played() -> None:
     plan = hysgen.waveform(model, "triangle", form)
     pole = 0.995 * np.exp(2j * np.pi * 900.0 * model.Ts_s)
     wanted, rng, plays, errors = plan.reference.values, np.random.default_rng(1), [], []
-    for _ in range(6):
+    for _ in range(5):
         answer_um = model.simulate(plan.u_V)
         ringing_um = np.real(lfilter([1.0], [1.0, -pole], np.diff(answer_um, prepend=answer_um[0])))
         y_um = answer_um - 0.6 * ringing_um + rng.normal(0.0, 5e-4, answer_um.size)

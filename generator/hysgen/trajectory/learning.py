@@ -74,17 +74,18 @@ def learn(
     (stage, _), n = in_whole_samples(own_response(model)), reference.values.size
     lead = lead_samples(stage, reference.values, limits_of(model, given), loop)
     volts: list[Floats] = []
-    answers: list[Floats] = []
+    courses: list[Floats] = []
     missed: list[Floats] = []
     counts: list[int] = []
     scatter = 0.0
     for record in plays:
         u_V, y_um = _aligned(record, reference, lead, model.Ts_s)
-        answer, same_V = stage.simulate(u_V)[lead:], SAME_VOLTAGE * float(np.ptp(u_V))
+        course, same_V = stage.simulate(u_V), SAME_VOLTAGE * float(np.ptp(u_V))
+        answer = course[lead:]
         known = next((i for i, other in enumerate(volts) if np.sqrt(np.mean((u_V - other) ** 2)) <= same_V), None)
         if known is None:
             volts.append(u_V)
-            answers.append(answer)
+            courses.append(course)
             missed.append(y_um - answer)
             counts.append(1)
         else:
@@ -92,6 +93,7 @@ def learn(
             again = y_um - answer - missed[known]
             scatter += float(np.mean(again**2)) * (1.0 - 1.0 / counts[known])
             missed[known] = missed[known] + again / counts[known]
+    answers = [course[lead:] for course in courses]
     errors = [reference.values - answer - wrong for answer, wrong in zip(answers, missed, strict=True)]
     rms = [float(np.sqrt(np.mean(e**2))) for e in errors]
     pairs = [(late, 1.0 / counts[late] + 1.0 / counts[late - 1]) for late in range(1, len(rms))]
@@ -104,10 +106,10 @@ def learn(
     moved = [np.zeros(n), *(later - earlier for earlier, later in pairwise(answers))]
     foreseen = [e - change for e, change in zip([errors[0], *errors], moved, strict=False)]
     weights, trust = _by_time(errors, foreseen, base, noise_um)
-    from_um, error_um = (np.sum(weights * courses, axis=0) for courses in (answers, errors))
+    from_um, error_um = (np.sum(weights * rows, axis=0) for rows in (answers, errors))
     spectrum = np.asarray(dct(trust * error_um, norm="ortho"))
     power, noise = _power(spectrum), noise_um**2 / counts[base]
-    passed = passing(model, answers, missed, counts, noise_um)
+    passed = passing(model, courses, missed, counts, noise_um)
     share, remains = learnt(model, passed, np.arange(n + 1) / (2.0 * n * model.Ts_s))
     # Over a whole repeat, above the noise and but for a constant.
     wrong = float(np.var(missed[base])) - noise_um**2 > TRUSTED**2 * float(np.var(answers[base]))
@@ -120,7 +122,11 @@ def learn(
     aim = from_um + np.fft.irfft(np.append(Q, 0.0) * np.fft.rfft(mirrored))[:n]
     wanted = Sampled(aim, reference.start_s, f"{reference.source}, next repeat", reference.remarks)
     highest = None if not rows.size else float(rows[-1]) / (2.0 * n * model.Ts_s)
-    leaves = float(np.sum(np.minimum(remains[rows], MOST_LEFT) ** 2 * power[rows]) / max(np.sum(power[rows]), 1e-300))
+    # What is learnt of one play holds its noise.
+    after = np.minimum(
+        remains[:n] ** 2 * power + (1.0 - noise / np.maximum(power, 1e-300)) ** 2 * noise, MOST_LEFT * power
+    )
+    leaves = float(np.sum(after[rows]) / max(np.sum(power[rows]), 1e-300))
     learning = Learning(tuple(rms), noise_um, base + 1, highest, 1.0 if wrong else math.sqrt(leaves), math.sqrt(stays))
     return replace(plan(model, wanted, given, loop=loop, last_V=volts[base]), learning=learning)
 

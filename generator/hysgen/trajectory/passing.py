@@ -17,12 +17,13 @@ Source: Pillonetto and De Nicolao, Automatica 46 (2010) 81-93, the impulse respo
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import scipy  # its parts are imported where they work
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from hysgen.feedback.stage import Uncertainty, draws, frequencies, modes_of, response
@@ -36,15 +37,15 @@ BESIDE, REMEMBERED, TAPS = 0.05, 150.0, np.arange(-4, 300)
 """Standard deviation of what passes beside the model, as a share of what the stage passes at rest; samples in which the
 power of its impulse response falls by e; delays of it in samples."""
 
-DRAWS, ROUNDS, MOST = 64, 4, 8.0
+DRAWS, ROUNDS, MOST = 64, 3, 8.0
 """Draws of the stage; rounds of Gauss and Newton; half widths of the uncertainty that a number may be off by."""
 
 NEAR_MODE, SMOOTH, TAPER = 0.15, 0.35, 0.1
 """Share of its frequency to both sides of a mode whose lines are left out, and of a frequency over which H is averaged;
 share of a record that fades in and out."""
 
-LINES = 4096
-"""Lines of a spectrum at most: neighbours of a longer record are one line."""
+PIECE = 8192
+"""Rows of a spectrum at most: a longer record is several."""
 
 LEAST_KNOWN, SURE = 0.2, 0.95
 """Share of the power of T, over the draws, that its mean has where it is known at all; share of the draws that leave no
@@ -63,46 +64,71 @@ class Passing:
 def passing(
     model: Model, answers: Sequence[Floats], missed: Sequence[Floats], counts: Sequence[int], noise_um: float
 ) -> Passing:
-    """Draws of what the stage passes after plays: answers of the model, (n,), and what it missed, over counts plays."""
-    n, first = answers[0].size, draws(model)[:DRAWS]
-    d, lines = first.shape[1], n // 2 + 1
-    free, taper = [0, 1, 2, *range(6, d, 3)], scipy.signal.windows.tukey(n, TAPER)
-    M, missing = (
-        np.fft.rfft(taper * np.array([c[0] - c[0].mean(), *(b - a for a, b in pairwise(c))])) for c in (answers, missed)
-    )
-    noise = (
-        noise_um**2
-        * float(np.sum(taper**2))
-        * np.array([1.0 / counts[0], *(1.0 / a + 1.0 / b for a, b in pairwise(counts))])
-    )
-    group = np.arange(lines) * min(lines, LINES) // lines
-    f_Hz = np.bincount(group, np.fft.rfftfreq(n, model.Ts_s)) / np.bincount(group)
-    P, T = _ratio(model, f_Hz)
-    of_h, gain = _beside(model, f_Hz) / P, np.abs(P[group])
+    """Draws of what the stage passes after plays, each a mean over counts.
+
+    answers: of the model, (lead + n,), the last n along the reference; missed: (n,) reading less answer.
+    """
+    n, first = missed[0].size, draws(model)[:DRAWS]
+    rows, d = n // math.ceil(n / PIECE), first.shape[1]
+    f_Hz, free = np.arange(rows // 2 + 1) / (rows * model.Ts_s), [0, 1, 2, *range(6, d, 3)]
+    (P, T), taper = _ratio(model, f_Hz), scipy.signal.windows.tukey(rows, TAPER)
+    changes = _changes(model, answers, missed, counts)
+
+    def pieces() -> Iterator[tuple[Complex, Complex, Complex, float]]:
+        """Spectra of what moved, of that beside the model by delay, of what was missed, and power of its noise."""
+        for (m, v, e, by), k in product(changes, range(0, n - rows + 1, rows)):
+            # Each delay in time: a window after it would show next to a strong line what is none.
+            late = sliding_window_view(v, rows)[m.size - n + k - TAPS + TAPS.size]
+            m, e = m[m.size - n + k :][:rows], e[k : k + rows]
+            noise = noise_um**2 * by * float(np.sum(taper**2))
+            yield np.fft.rfft(taper * m), np.fft.rfft(taper * late), np.fft.rfft(taper * e), noise
+
+    gain = np.abs(P)
     used = np.all([np.abs(f_Hz / mode_Hz - 1.0) > NEAR_MODE for mode_Hz, _ in modes_of(model)], axis=0) & (f_Hz > 0.0)
     unit, h, p = np.zeros(d), np.zeros(TAPS.size), len(free)
     decay = np.exp(-np.abs(TAPS) / REMEMBERED)
     prior = np.concatenate([np.ones(p), np.sum(decay) / (BESIDE**2 * decay)])
     for _ in range(ROUNDS):
-        rest = missing - (T(unit) - 1.0 + h @ of_h)[group] * M
-        H = [_smooth(np.maximum(np.abs(r) ** 2 - s, 0.0)) for r, s in zip(rest, noise, strict=True)] / _smooth(gain**2)
-        weight = used[group] / (noise[:, None] + gain**2 * H)
-        power, along = np.sum(weight * np.abs(M) ** 2, axis=0), np.sum(weight * M.conj() * rest, axis=0)
-        slopes = np.concatenate([[(T(unit + 0.02 * e) - T(unit - 0.02 * e)) / 0.04 for e in np.eye(d)[free]], of_h])
-        weighed = slopes * np.sqrt(np.bincount(group, power))
-        rows = np.concatenate([weighed.real, weighed.imag], axis=1)
-        along = np.bincount(group, along.real) + 1j * np.bincount(group, along.imag)
-        now = np.append(unit[free], h)
-        curvature = 2.0 * rows @ rows.T + np.diag(prior)
-        now += np.linalg.solve(curvature, 2.0 * np.real(slopes.conj() @ along) - prior * now)
+        slopes = np.array([(T(unit + 0.02 * e) - T(unit - 0.02 * e)) / 0.04 for e in np.eye(d)[free]])
+        now, curvature, moved, others = np.append(unit[free], h), np.diag(prior), [], []
+        along = -prior * now
+        for M, beside, missing, noise in pieces():
+            rest = missing - (T(unit) - 1.0) * M - h @ beside
+            moved.append(float(np.sum(np.abs(M / P) ** 2)))
+            others.append(float(np.sum(np.abs(rest) ** 2 - noise)))
+            H = _smooth(np.maximum(np.abs(rest) ** 2 - noise, 0.0)) / _smooth(gain**2)
+            weight = np.sqrt(used / (noise + gain**2 * H))
+            seen, rest = weight * np.concatenate([slopes * M, beside]), weight * rest
+            parts = np.concatenate([seen.real, seen.imag], axis=1)
+            curvature = curvature + 2.0 * (parts @ parts.T)
+            along = along + 2.0 * parts @ np.concatenate([rest.real, rest.imag])
+        now += np.linalg.solve(curvature, along)
         unit[free], h = np.clip(now[:p], -MOST, MOST), now[p:]
     spread = np.linalg.inv(np.linalg.cholesky(curvature))
     off = np.random.default_rng(0).standard_normal((DRAWS, p + h.size)) @ spread
     units = first.copy()
     units[:, free] = np.clip(unit[free] + off[:, :p], -MOST, MOST)
-    moved = np.sum(np.abs(M[1:] / P[group]) ** 2)
-    otherwise = max(np.sum(np.abs(rest[1:]) ** 2 - noise[1:, None]), 0.0) / max(moved, 1e-300)
-    return Passing(units, h + off[:, p:], math.sqrt(otherwise))
+    later = len(moved) // len(missed)
+    return Passing(units, h + off[:, p:], math.sqrt(max(sum(others[later:]), 0.0) / max(sum(moved[later:]), 1e-300)))
+
+
+def _changes(
+    model: Model, answers: Sequence[Floats], missed: Sequence[Floats], counts: Sequence[int]
+) -> list[tuple[Floats, Floats, Floats, float]]:
+    """What each play changed, the first from rest: answers of the model along the reference and up to TAPS rows before,
+    their voltages M/P with TAPS rows more at both ends, what was missed, and the variance of its noise in readings."""
+    n = missed[0].size
+    plays = [(m[-n - TAPS.size :], e, 1.0 / count) for m, e, count in zip(answers, missed, counts, strict=True)]
+    size = scipy.fft.next_fast_len(plays[0][0].size + 4 * TAPS.size)
+    P, _ = _ratio(model, np.arange(size // 2 + 1) / (size * model.Ts_s))
+    changes = []
+    for (m0, e0, by0), (m1, e1, by1) in pairwise([(0.0 * plays[0][0], 0.0 * missed[0], 0.0), *plays]):
+        m, e = m1 - m0, e1 - e0
+        held = np.pad(m - m[0], TAPS.size, "edge")
+        v = np.fft.irfft(np.fft.rfft(held, size) / P, size)[: held.size]
+        # A constant is no part of a spectrum that is looked at.
+        changes.append((m - m[-n:].mean(), v - v[-n - TAPS.size : -TAPS.size].mean(), e - e.mean(), by0 + by1))
+    return changes
 
 
 def learnt(model: Model, passed: Passing, f_Hz: Floats) -> tuple[Complex, Floats]:
