@@ -15,6 +15,7 @@ from hysgen.model.path.structure import Structure
 from hysgen.model.rivals import fit_proportional
 from hysgen.record import Record
 from hysgen.record.segment import Segment
+from hysgen.trajectory.learning import _by_time
 from hysgen.trajectory.passing import learnt, passing
 from hysgen_lab.stage.families import Plant, plant, records
 from hysgen_lab.stage.measure import run
@@ -163,6 +164,17 @@ def test_a_corner_that_a_limit_hides_from_the_model_is_left_and_the_rest_learnt(
     assert rms(errors[-1][errors[-1].size // 4 :]) < 1.5 * noise_um
     assert plan.learning is not None
     assert plan.learning.stays_um == pytest.approx(rms(errors[-1]), rel=0.3)
+
+
+@pytest.mark.parametrize(("later", "left"), [(0.95, True), (0.5, False)])
+def test_a_time_is_left_where_the_error_stays_and_not_where_it_falls_after_it_grew(later: float, left: bool) -> None:
+    """The first step trebles the error of the last quarter, as a mode that rings there does; elsewhere all falls."""
+    rng, quarter = np.random.default_rng(5), np.arange(2000) >= 1500
+    steps = [np.where(quarter, k, e) for k, e in zip((1.0, 3.0, 3.0 * later), (10.0, 3.0, 1.0), strict=True)]
+    errors = [1e-3 * step * rng.standard_normal(2000) for step in steps]
+    _, trust = _by_time(errors, [0.1 * e for e in errors], 2, 1e-5)
+    assert (trust[1750] < 0.5) == left
+    assert trust[:1000].min() == pytest.approx(1.0)
 
 
 def test_inside_stated_limits_learning_ends_at_the_least_that_they_leave() -> None:

@@ -134,8 +134,9 @@ def learn(
 def _by_time(errors: Sequence[Floats], foreseen: Sequence[Floats], base: int, noise_um: float) -> tuple[Floats, Floats]:
     """Weights of the repeats, (repeats, n), of sum 1, and how far the error is learnt, (n,), at each time.
 
-    All of `base`, and all is learnt, but where two repeats did not lower the mean square near a time as foreseen, and
-    at most times did: a model that is wrong at some frequencies is so at all times, and left to the spectra.
+    All of `base`, and all is learnt, but where two repeats did not lower the mean square near a time as foreseen, nor
+    the second that of the first, and at most times did: a model that is wrong at some frequencies is so at all times,
+    and left to the spectra.
     """
     n = errors[0].size
     half = max(round(NEAR * n), 1)
@@ -153,6 +154,7 @@ def _by_time(errors: Sequence[Floats], foreseen: Sequence[Floats], base: int, no
         ratio = power[k - 1 : k + 1].min(axis=0) / (least + NOISE_FACTOR * noise_um**2)
         stays[
             (ratio > FALLEN)
+            & (power[k] > FALLEN * power[k - 1])
             & (promised[k - 1 : k + 1].max(axis=0) < FORESEEN * least)
             & bool(np.median(ratio) < FALLEN)
         ] = 1.0
