@@ -25,6 +25,7 @@ from hysgen.diagnosis.probe import (
     Projector,
     Scene,
     Trace,
+    functional_error,
     linear_fit,
     refine,
     single_fit,
@@ -216,6 +217,30 @@ def test_delay_and_its_standard_error_agree_with_repeated_noise() -> None:
     # The mean of 20 lies within 4 standard errors of the mean; the spread of 20 is known to 1/sqrt(38) = 16 %,
     # and 3 of those either way is a factor of 2.
     assert abs(np.mean(found) - 1.7) < 4 * np.std(found) / math.sqrt(20)
+    assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
+
+
+def test_the_loop_and_its_standard_error_agree_with_repeated_noise_where_the_lag_is_fitted_too() -> None:
+    """Sweeps of one rate: a lag opens the loop as memory does, so that the error of the lag is in that of the loop."""
+    rng = np.random.default_rng(5)
+    swings = np.repeat(rng.uniform(0.3, 1.0, 60), 2) * np.tile([1.0, -1.0], 60)
+    u_V = np.interp(np.arange(3000) / 25.0, np.arange(120), 5.0 * swings)
+    # Bouc and Wen's hysteresis, which no column of the operator is.
+    z, clean = 0.0, np.zeros(3000)
+    for k, step in enumerate(np.diff(u_V, prepend=u_V[0])):
+        z += 0.3 * step - 0.2 * abs(step) * z - 0.1 * step * abs(z)
+        clean[k] = 0.1 * u_V[k] + z
+    clean = respond(clean, Chain(6e-3), TS_S)
+    operator = Operator(-5.0, 5.0, plays=6, degree=2, reaches=(0.2, 0.6))
+    sine = 4.5 * np.sin(2.0 * np.pi * np.arange(401) / 200)
+    found, errors = [], []
+    for _ in range(20):
+        scene = Scene((Trace(u_V, clean + 0.05 * rng.normal(size=3000), {}),), TS_S, np.arange(50, 3000), operator)
+        fit = refine(scene, Chain(3e-3, memory=True))
+        opening = np.trapezoid(scene.columns_along(fit.chain, sine)[:, 200:], sine[200:], axis=1) / 9.0
+        found.append(opening @ fit.weights[: len(opening)])
+        errors.append(functional_error(scene, fit, opening))
+    # As above; without the column of the lag, the error is less than half of the spread.
     assert 0.5 < np.mean(errors) / np.std(found, ddof=1) < 2.0
 
 

@@ -332,6 +332,7 @@ def _scored(
         if price is not None
         else [None] * len(running)
     )
+    searched = Residual(naming.found.scene, naming.found.fit)
     named = []
     for name in agreed:
         # A cause without extension adds no rung.
@@ -340,7 +341,7 @@ def _scored(
         step = gain(own_um[i][clean], own_um[j][clean])
         step = dataclasses.replace(step, before_um=levels[i], after_um=levels[j])
         signature = naming.signatures[name]
-        signature = causes()[name].seen_in(signature, running[-1]) if name in made else signature
+        signature = causes()[name].seen_in(signature, running[-1], searched) if name in made else signature
         named.append(
             NamedCause(
                 name=name,

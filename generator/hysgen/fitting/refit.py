@@ -28,6 +28,10 @@ WORSE, OVER_NOISE = 1.5, 1.4
 misfit has the power of the noise."""
 
 
+LOOP_SHARE = 0.9
+"""Share of the input range over which loops are compared."""
+
+
 def refit(
     model: Model, record: Record, progress: Progress | None = None, same_range: bool = False
 ) -> tuple[Model, Scores]:
@@ -267,8 +271,8 @@ def physics(model: Model, loops_Hz: Sequence[float]) -> list[tuple[str, str, flo
 
 
 def loop_width(model: Model, f_Hz: float) -> tuple[float, float]:
-    """Mean width in um of the loop under a sine of f_Hz over 90 % of the input range, and its gain in um/V."""
-    width_V = 0.9 * (model.u_max_V - model.u_min_V)
+    """Mean width in um of the loop under a sine of f_Hz over LOOP_SHARE of the input range, and its gain in um/V."""
+    width_V = LOOP_SHARE * (model.u_max_V - model.u_min_V)
     closed = loop(model, f_Hz, 0.5 * (model.u_min_V + model.u_max_V), 0.5 * width_V)
     # The area is the integral of the opening over the range of the sine.
     return closed.area_umV / width_V, closed.span_um / width_V

@@ -234,8 +234,11 @@ class Cause(abc.ABC):
     def signature(self, residual: Residual, rival: Fit) -> Signature:
         """Evidence for the named cause. residual: of the final fit; rival: the fit without the cause."""
 
-    def seen_in(self, signature: Signature, model: Model) -> Signature:
-        """The signature with what the model that is extended by the cause shows of it; by default as it is."""
+    def seen_in(self, signature: Signature, model: Model, residual: Residual) -> Signature:
+        """The signature with what the model that is extended by the cause shows of it; by default as it is.
+
+        residual: of the search, for the error of what is shown.
+        """
         return signature
 
     def extension(self, residual: Residual) -> Extension:

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from hysgen.diagnosis.causes.base import Cause, Effect, Estimate, Residual, Signature, turns
 from hysgen.diagnosis.experiment import Piece
 from hysgen.diagnosis.extension import Extension
-from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, standard_errors
+from hysgen.diagnosis.probe import Chain, Fit, Part, Scene, ShapeParameter, functional_error, standard_errors
 from hysgen.diagnosis.remedy import Advice, Motion, Seen, strokes, voltage_step
 from hysgen.display import decimal
 from hysgen.fitting.operator import CURVE, RELAXING, PathSize
 from hysgen.fitting.path import RELAXATIONS
-from hysgen.fitting.refit import loop_frequencies, loop_width
+from hysgen.fitting.refit import LOOP_SHARE, loop_frequencies, loop_width
 from hysgen.machine.kernels.operators import play_operators
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock
@@ -103,12 +103,16 @@ class MemoryCause(Cause):
         z = (2.0 * wins - tosses) / np.sqrt(max(tosses, 1))
         return Signature(float(z), f"past extremes explain {wins} of {tosses} swings better than dynamics do")
 
-    def seen_in(self, signature: Signature, model: Model) -> Signature:
-        """The width of the model's loop at the slow frequency at which `hysgen diff` compares loops."""
+    def seen_in(self, signature: Signature, model: Model, residual: Residual) -> Signature:
+        """The width of the model's loop at the slow frequency at which `hysgen diff` compares loops.
+
+        Its standard error is that of the opening of the fitted hysteresis under the same slow sine.
+        """
         f_Hz = loop_frequencies(model)[0]
         width_um, _ = loop_width(model, f_Hz)
+        error_um = functional_error(residual.scene, residual.fit, _opening(residual, model))
         words = f"under {f_Hz:.3g} Hz the way up and the way down differ by {decimal(width_um, 3)} um on average"
-        parameters = {"loop_um": Estimate(width_um, math.nan), "loop_Hz": Estimate(f_Hz, math.nan)}
+        parameters = {"loop_um": Estimate(width_um, error_um), "loop_Hz": Estimate(f_Hz, math.nan)}
         return Signature(signature.z, f"{signature.text}; {words}", parameters)
 
     def advice(self, seen: Seen) -> Advice:
@@ -209,6 +213,19 @@ def swings(u_V: Floats) -> NDArray[np.int64]:
     """(n,) number of the swing of each sample; a plateau belongs to the swing before it, or is the first swing."""
     moves = np.flatnonzero(np.diff(u_V))
     return np.searchsorted(np.append(moves[:1], turning_rows(u_V, 0.0)), np.arange(len(u_V))).astype(np.int64)
+
+
+PERIOD = 1000
+"""Samples of a period of the slow sine under which the opening of the columns of h is measured."""
+
+
+def _opening(residual: Residual, model: Model) -> Floats:
+    """(size of h,) mean opening of each column of h under the slow sine of `loop_width`, in its second period."""
+    middle_V, half_V = 0.5 * (model.u_min_V + model.u_max_V), LOOP_SHARE * 0.5 * (model.u_max_V - model.u_min_V)
+    u_V = middle_V + half_V * np.sin(2.0 * np.pi * np.arange(2 * PERIOD + 1) / PERIOD)
+    h = residual.scene.columns_along(residual.fit.chain, u_V)[:, PERIOD:]
+    steps_V = np.diff(u_V[PERIOD:])
+    return 0.5 * (h[:, 1:] + h[:, :-1]) @ steps_V / (2.0 * half_V)
 
 
 def _slack(residual: Residual) -> Floats:

@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Self
@@ -89,6 +90,10 @@ class Projector:
     def weights(self, signal: Floats) -> Floats:
         """(p,) weights of the columns for `signal`, (n,)."""
         return np.asarray(cho_solve((self.factor, False), self.columns @ signal))
+
+    def of_rows(self, functional: Floats) -> Floats:
+        """(n,) what each row adds to functional @ weights, for a functional, (p,), per um of its signal."""
+        return np.asarray(cho_solve((self.factor, False), functional) @ self.columns)
 
     def basis(self) -> Floats:
         """(p, n) orthonormal combinations of the columns."""
@@ -186,10 +191,14 @@ def _refined(scene: Scene, best: TrainingFit, rounds: int) -> Chain:
 
 
 def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) -> Floats:
-    """(c, rows) d(prediction)/d(coordinates) on the training rows, projected off the columns.
+    """(c, rows) d(prediction)/d(coordinates) on the training rows, projected off the columns of the fit's chain."""
+    return projector.orthogonal_part(_moved(scene, fit))
 
-    projector: off the columns of the fit's chain. The derivatives are forward differences; the chain is smooth except
-    where a limit begins to act.
+
+def _moved(scene: Scene, fit: Fit | TrainingFit) -> Floats:
+    """(c, rows) d(prediction)/d(coordinates) on the training rows, with the weights of the fit.
+
+    The derivatives are forward differences; the chain is smooth except where a limit begins to act.
     """
     paths = scene.paths(fit.chain, fit.weights)
     base = scene.seen_on_rows(paths, fit.chain, fit.weights)
@@ -201,7 +210,7 @@ def sensitivities(scene: Scene, fit: Fit | TrainingFit, projector: Projector) ->
         chain = fit.chain.at(shifted)
         here = paths if chain.amplifier == fit.chain.amplifier else scene.moved_paths(chain, fit.weights)
         moved[i] = (scene.seen_on_rows(here, chain, fit.weights) - base) / size
-    return projector.orthogonal_part(moved)
+    return moved
 
 
 def rms(values: Floats) -> float:
@@ -233,6 +242,20 @@ def standard_errors(scene: Scene, fit: Fit) -> StandardErrors:
     others = np.vstack([columns[size:], shape_columns])
     linear = _sandwich(Projector.of(columns[:size]).orthogonal_part(others), error)[: len(columns) - size]
     return StandardErrors(dict(zip(fit.chain.names(), shape.tolist(), strict=True)), linear)
+
+
+def functional_error(scene: Scene, fit: Fit, functional: Floats) -> float:
+    """Cluster-robust standard error of functional @ weights of h, for a functional, (size of h,), in its unit.
+
+    The shape parameters are fitted, too: a lag that is not known leaves the loop unknown.
+    """
+    columns = np.vstack([scene.training_columns(fit.chain), _moved(scene, fit)])
+    beside = projector_off(scene, fit.chain, columns)
+    error = block_left_out_error(beside, fit.error[scene.rows])
+    of_all = np.concatenate([functional, np.zeros(len(columns) - len(functional))])
+    parts = beside.of_rows(of_all) * error
+    sums = [parts[a:b].sum() for a, b in itertools.pairwise(block_edges(len(error)))]
+    return math.sqrt(float(np.square(sums).sum()) * (BLOCKS - 1) / BLOCKS)
 
 
 def block_left_out_error(projector: Projector, error: Floats, power: float = 1.0) -> Floats:
