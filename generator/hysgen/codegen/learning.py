@@ -24,14 +24,13 @@ from hysgen.float32.learner_numbers import (
     learner_numbers,
 )
 from hysgen.float32.struct_words import (
-    COMMIT_MEANINGS,
     LEARNER_COUNTERS,
-    LEARNER_MEANINGS,
-    PHASE_MEANINGS,
     Commit,
     Described,
     Holds,
+    LearnerStatus,
     LearnerWords,
+    MeantEnum,
     Phase,
     Restart,
     Start,
@@ -100,8 +99,7 @@ def learner_feature(model: Model, numbers: Coefficients) -> Feature | None:
 
 def _status_rows(upper: str) -> list[str]:
     return [
-        f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {meaning} */"
-        for flag, meaning in LEARNER_MEANINGS.items()
+        f"#define {upper}_LEARN_{flag.name:<9}  0x{int(flag):03x}u  /**< {flag.meaning} */" for flag in LearnerStatus
     ]
 
 
@@ -238,8 +236,8 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
     limits = commit_numbers(model, numbers, certificates)
     upper = model.name.upper()
     facts = {
-        "answer_rows": _enumerators(f"{upper}_COMMIT", COMMIT_MEANINGS),
-        "phase_rows": _enumerators(f"{upper}_PHASE", PHASE_MEANINGS),
+        "answer_rows": _enumerators(f"{upper}_COMMIT", Commit),
+        "phase_rows": _enumerators(f"{upper}_PHASE", Phase),
         "members": rows(candidate_struct(model, numbers).members),
         "bias": "bias" in model.learner.learned,
         "points_per_call": model.learner.points_per_call,
@@ -247,11 +245,11 @@ def commit_feature(model: Model, numbers: Coefficients, certificates: Certificat
     return Feature("commit.c.j2", {"commit": facts}, _commit_sections(limits, upper, rule_axis(model)))
 
 
-def _enumerators(prefix: str, meanings: Mapping[Commit, str] | Mapping[Phase, str]) -> list[str]:
+def _enumerators(prefix: str, members: type[MeantEnum]) -> list[str]:
     """One C line per enumerator, comments in an aligned column."""
-    texts = [f"{prefix}_{key.name} = {int(key)}" + "," * (key is not list(meanings)[-1]) for key in meanings]
+    texts = [f"{prefix}_{key.name} = {int(key)}" + "," * (key is not list(members)[-1]) for key in members]
     wide = max(len(text) for text in texts)
-    return [f"{text:<{wide}}  /**< {meaning} */" for text, meaning in zip(texts, meanings.values(), strict=True)]
+    return [f"{text:<{wide}}  /**< {key.meaning} */" for text, key in zip(texts, members, strict=True)]
 
 
 def _commit_sections(numbers: CommitNumbers, upper: str, axis: Axis) -> list[Section]:

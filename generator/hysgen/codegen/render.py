@@ -37,7 +37,7 @@ from hysgen.model.disturbances.base import Mirror
 from hysgen.model.model import Model
 from hysgen.model.path import InputBlock, preview
 from hysgen.model.path.modes import straying
-from hysgen.model.structs import COUNTERS, MEANINGS, Status, Struct
+from hysgen.model.structs import COUNTERS, Status, Struct
 
 HOOK: Final = "//hook "
 """Start of the line of a hook; the rest of the line is the name."""
@@ -355,12 +355,12 @@ def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
 
 
 def _status_rows(upper: str, responds: bool) -> list[str]:
-    meanings = {flag: text for flag, text in MEANINGS.items() if responds or flag is not Status.INVERSE_RESIDUAL}
-    names = [f"{upper}_STATUS_{flag.name}" for flag in meanings]
+    flags = [flag for flag in Status if responds or flag is not Status.INVERSE_RESIDUAL]
+    names = [f"{upper}_STATUS_{flag.name}" for flag in flags]
     wide = max(len(name) for name in names)
     return [
-        f"#define {name:<{wide}}  0x{int(flag):02x}u  /**< {meaning} */"
-        for name, (flag, meaning) in zip(names, meanings.items(), strict=True)
+        f"#define {name:<{wide}}  0x{int(flag):02x}u  /**< {flag.meaning} */"
+        for name, flag in zip(names, flags, strict=True)
     ]
 
 

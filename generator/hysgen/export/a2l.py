@@ -7,10 +7,10 @@ banks are the boxes of the proof (`hysgen.checking.proof.eva`): intervals that n
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from hysgen.checking.proof.eva.boxes import learner_box, parts_box, state_box
 from hysgen.codegen import tables
@@ -19,11 +19,11 @@ from hysgen.codegen.structs import Interface, interface
 from hysgen.errors import BuildError
 from hysgen.export.base import Export, Option, Written, make
 from hysgen.float32.learner_numbers import bank_box
-from hysgen.float32.struct_words import LEARNER_MEANINGS
+from hysgen.float32.struct_words import LearnerStatus
 from hysgen.machine.files import write_whole
 from hysgen.model.intervals import Interval
 from hysgen.model.model import Model
-from hysgen.model.structs import BYTES_PER_WORD, MEANINGS, Axis, Member, Struct
+from hysgen.model.structs import BYTES_PER_WORD, Axis, Member, Status, Struct
 
 LARGEST: Final = 3.4028234663852886e38
 """Limit of a float32 for which no interval is proved."""
@@ -161,13 +161,13 @@ def describe(
             f"{name}_bank_t",
         )
     )
-    status: list[tuple[str, Mapping[Any, str]]] = [(instance, MEANINGS)]
+    status: list[tuple[str, type[Status | LearnerStatus]]] = [(instance, Status)]
     if learner is not None:
         struct = interface.struct(f"{name}_learner_t")
         entries += _members(struct, Place(learner, _placed(elf, learner, struct.bytes)), Limits.of_learner(model))
-        status.append((learner, LEARNER_MEANINGS))
+        status.append((learner, LearnerStatus))
     words = {entry.name: entry for entry in entries}
-    bits = [bit for variable, meanings in status for bit in _bits(words[f"{variable}.status"], meanings)]
+    bits = [bit for variable, flags in status for bit in _bits(words[f"{variable}.status"], flags)]
     return Description(
         characteristics=(
             *(_table(name, table, elf) for table in tables),
@@ -218,10 +218,10 @@ class Place:
     path: str = ""
 
 
-def _bits(word: Entry, meanings: Mapping[Any, str]) -> Iterator[Entry]:
+def _bits(word: Entry, flags: Iterable[Status | LearnerStatus]) -> Iterator[Entry]:
     """One measurement of 0 or 1 for every bit of a status word."""
-    for flag, meaning in meanings.items():
-        yield replace(word, name=f"{word.name}.{flag.name}", about=meaning, high=1.0, mask=f"0x{int(flag):X}")
+    for flag in flags:
+        yield replace(word, name=f"{word.name}.{flag.name}", about=flag.meaning, high=1.0, mask=f"0x{int(flag):X}")
 
 
 def _placed(elf: Elf, symbol: str, size: int) -> int:

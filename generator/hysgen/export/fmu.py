@@ -24,7 +24,7 @@ from hysgen.machine.files import data_folder, digest, write_whole
 from hysgen.machine.kernel_build import export_flags
 from hysgen.machine.native import default_toolchain
 from hysgen.model.model import Model
-from hysgen.model.structs import MEANINGS, Status
+from hysgen.model.structs import Status
 
 HEADERS: Final = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
@@ -137,9 +137,9 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     add("status", "word", "output", "status bits; those of the learner shifted left by 16")
     if facts["learns"]:
         add("answer", "word", "output", "answer of the last call of commit")
-    for flag, meaning in MEANINGS.items():
+    for flag in Status:
         if model.responds or flag is not Status.INVERSE_RESIDUAL:
-            add(str(flag.name).lower(), "boolean", "output", meaning, member="status", mask=f"0x{int(flag):x}u")
+            add(str(flag.name).lower(), "boolean", "output", flag.meaning, member="status", mask=f"0x{int(flag):x}u")
     return listed
 
 

@@ -26,7 +26,7 @@ from hysgen.codegen.render import render
 from hysgen.errors import ModelError
 from hysgen.firmware.wire import SETTINGS_BYTES
 from hysgen.float32.coefficients import Bank, coefficients, commit_numbers
-from hysgen.float32.struct_words import COMMIT_MEANINGS, Commit
+from hysgen.float32.struct_words import Commit
 from hysgen.machine.files import data_folder, digest, version
 from hysgen.model.file import dump_model
 from hysgen.model.learner_settings import LearnerSettings
@@ -227,7 +227,7 @@ ANSWERS: Final = {
     5: "refused: a parameter is not finite, denormal or absurdly large",
     7: "refused: the board has no memory that survives power off",
     **{
-        6 + answer: f"refused: not certified: {COMMIT_MEANINGS[answer]}"
+        6 + answer: f"refused: not certified: {answer.meaning}"
         for answer in Commit
         if Commit.COMMITTED < answer < Commit.REFUSED_WORSE  # an image has no trial
     },

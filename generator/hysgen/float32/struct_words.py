@@ -15,7 +15,7 @@ import enum
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final, get_type_hints
+from typing import Annotated, ClassVar, Final, Self, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hysgen.model.disturbances import Mirror
 from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.path.chain import ChainMirror
-from hysgen.model.structs import COUNTERS, Counter, Scalar
+from hysgen.model.structs import COUNTERS, Counter, MeantFlag, Scalar
 
 Floats32 = NDArray[np.float32]
 Words = NDArray[np.uint32]
@@ -207,31 +207,19 @@ class InstanceWords(StructWords):
     loop: Annotated[FeedbackMirror, LOOP_OF]
 
 
-class LearnerStatus(enum.IntFlag):
+class LearnerStatus(MeantFlag):
     """Bits of a learner's `status`; an event sets its bit, the caller or `_learn_init` clears it."""
 
-    REJECTED = 1
-    OUTSIDE = 2
-    RESTING = 4
-    OUTLIER = 8
-    CHANGED = 16
-    QUIET = 32
-    LIMITED = 64
-    CLAMPED = 128
-    RESTARTED = 256
+    REJECTED = 1, "A sample was not finite or not plausible and was ignored."
+    OUTSIDE = 2, "A displacement was outside the identified range; no update used it."
+    RESTING = 4, "The input was at rest; no update used the sample."
+    OUTLIER = 8, "An innovation was an outlier; no update used it."
+    CHANGED = 16, "Enough outliers in a row were taken for a change of the plant; updates resumed."
+    QUIET = 32, "An innovation was inside the dead zone; no update used it."
+    LIMITED = 64, "A step of the parameters was reduced."
+    CLAMPED = 128, "An element of D was limited."
+    RESTARTED = 256, "The shadow was reset to the reference parameters and the prior."
 
-
-LEARNER_MEANINGS = {
-    LearnerStatus.REJECTED: "A sample was not finite or not plausible and was ignored.",
-    LearnerStatus.OUTSIDE: "A displacement was outside the identified range; no update used it.",
-    LearnerStatus.RESTING: "The input was at rest; no update used the sample.",
-    LearnerStatus.OUTLIER: "An innovation was an outlier; no update used it.",
-    LearnerStatus.CHANGED: "Enough outliers in a row were taken for a change of the plant; updates resumed.",
-    LearnerStatus.QUIET: "An innovation was inside the dead zone; no update used it.",
-    LearnerStatus.LIMITED: "A step of the parameters was reduced.",
-    LearnerStatus.CLAMPED: "An element of D was limited.",
-    LearnerStatus.RESTARTED: "The shadow was reset to the reference parameters and the prior.",
-}
 
 LEARNER_COUNTERS = {
     "updates": Counter("number of updates that changed the parameters", written_by=("step",)),
@@ -248,48 +236,39 @@ LEARNER_COUNTERS = {
 """The counters in the order of the struct; each stops at 2^32 - 1."""
 
 
-class Commit(enum.IntEnum):
+class MeantEnum(enum.IntEnum):
+    """Integers with a sentence each: NAME = value, meaning."""
+
+    meaning: str
+
+    def __new__(cls, value: int, meaning: str = "") -> Self:
+        """The member of this value."""
+        member = int.__new__(cls, value)
+        member._value_, member.meaning = value, meaning
+        return member
+
+
+class Commit(MeantEnum):
     """Return values of `_commit`."""
 
-    BUSY = 0
-    COMMITTED = 1
-    REFUSED_YOUNG = 2
-    REFUSED_LIMIT = 3
-    REFUSED_GAIN = 4
-    REFUSED_SLOPE = 5
-    REFUSED_WORSE = 6
-    TRYING = 7
+    BUSY = 0, "The commit is not finished; call again."
+    COMMITTED = 1, "The shadow's parameters are active."
+    REFUSED_YOUNG = 2, "The shadow has had too few updates since its restart."
+    REFUSED_LIMIT = 3, "A parameter is not finite or beyond its limit."
+    REFUSED_GAIN = 4, "The gain b(y) would come too close to zero or change its sign."
+    REFUSED_SLOPE = 5, "The slope |df/dy| would come too close to 1."
+    REFUSED_WORSE = 6, "Over the samples of its trial, the shadow predicted worse than the parameters in use."
+    TRYING = 7, "The trial is not finished; learn from further samples, then call again."
 
 
-COMMIT_MEANINGS = {
-    Commit.BUSY: "The commit is not finished; call again.",
-    Commit.COMMITTED: "The shadow's parameters are active.",
-    Commit.REFUSED_YOUNG: "The shadow has had too few updates since its restart.",
-    Commit.REFUSED_LIMIT: "A parameter is not finite or beyond its limit.",
-    Commit.REFUSED_GAIN: "The gain b(y) would come too close to zero or change its sign.",
-    Commit.REFUSED_SLOPE: "The slope |df/dy| would come too close to 1.",
-    Commit.REFUSED_WORSE: "Over the samples of its trial, the shadow predicted worse than the parameters in use.",
-    Commit.TRYING: "The trial is not finished; learn from further samples, then call again.",
-}
-
-
-class Phase(enum.IntEnum):
+class Phase(MeantEnum):
     """Phases of a commit: the member `phase` of a candidate."""
 
-    IDLE = 0
-    CHECK = 1
-    TRIAL = 2
-    WRITE = 3
-    SWITCH = 4
-
-
-PHASE_MEANINGS = {
-    Phase.IDLE: "No commit is under way; the next call copies the shadow.",
-    Phase.CHECK: "The next call examines check points.",
-    Phase.TRIAL: "The candidate is compared with the parameters in use, sample by sample.",
-    Phase.WRITE: "The next call writes the candidate into the idle bank.",
-    Phase.SWITCH: "The next call makes the written bank active.",
-}
+    IDLE = 0, "No commit is under way; the next call copies the shadow."
+    CHECK = 1, "The next call examines check points."
+    TRIAL = 2, "The candidate is compared with the parameters in use, sample by sample."
+    WRITE = 3, "The next call writes the candidate into the idle bank."
+    SWITCH = 4, "The next call makes the written bank active."
 
 
 class LearnerWords(StructWords):

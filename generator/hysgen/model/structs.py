@@ -9,7 +9,7 @@ import enum
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal, TypeAlias, get_args
+from typing import Any, Final, Literal, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,31 +185,31 @@ class Counter:
     written_by: tuple[str, ...] = ()
 
 
-class Status(enum.IntFlag):
+class MeantFlag(enum.IntFlag):
+    """Bits with a sentence each: NAME = bit, meaning."""
+
+    meaning: str
+
+    def __new__(cls, value: int, meaning: str) -> Self:
+        """The member of this value."""
+        member = int.__new__(cls, value)
+        member._value_, member.meaning = value, meaning
+        return member
+
+
+class Status(MeantFlag):
     """Bits of `status`: set at the first occurrence, cleared by the caller or by `_init`."""
 
-    Y_CLAMPED = 1
-    U_CLAMPED = 2
-    Y_REJECTED = 4
-    U_REJECTED = 8
-    REFERENCE_CLAMPED = 16
-    UNREACHABLE = 32
-    AUX_CLAMPED = 64
-    AUX_REJECTED = 128
-    INVERSE_RESIDUAL = 256
+    Y_CLAMPED = 1, "A displacement lay outside the identified range and was limited to it."
+    U_CLAMPED = 2, "A voltage lay outside the input range and was limited to it."
+    Y_REJECTED = 4, "A displacement was not finite; the last good one was used."
+    U_REJECTED = 8, "A voltage was not finite; the last good one was used."
+    REFERENCE_CLAMPED = 16, "A reference lay more than one range away and was limited."
+    UNREACHABLE = 32, "The input that would reach the reference lay beyond what can be applied."
+    AUX_CLAMPED = 64, "An auxiliary channel lay outside its range and was limited to it."
+    AUX_REJECTED = 128, "An auxiliary channel was not finite; its last good sample was used."
+    INVERSE_RESIDUAL = 256, "The voltage leaves more than the stated tolerance of the input of the rules."
 
-
-MEANINGS = {
-    Status.Y_CLAMPED: "A displacement lay outside the identified range and was limited to it.",
-    Status.U_CLAMPED: "A voltage lay outside the input range and was limited to it.",
-    Status.Y_REJECTED: "A displacement was not finite; the last good one was used.",
-    Status.U_REJECTED: "A voltage was not finite; the last good one was used.",
-    Status.REFERENCE_CLAMPED: "A reference lay more than one range away and was limited.",
-    Status.UNREACHABLE: "The input that would reach the reference lay beyond what can be applied.",
-    Status.AUX_CLAMPED: "An auxiliary channel lay outside its range and was limited to it.",
-    Status.AUX_REJECTED: "An auxiliary channel was not finite; its last good sample was used.",
-    Status.INVERSE_RESIDUAL: "The voltage leaves more than the stated tolerance of the input of the rules.",
-}
 
 COUNTERS = {
     "y_clamped": Counter(
