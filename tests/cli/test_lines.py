@@ -1,6 +1,7 @@
 """Width and time of lines, JSON, exit codes, and how each option is read."""
 
 import io
+import itertools
 import json
 import os
 import shlex
@@ -235,6 +236,10 @@ def test_the_overview_sets_meanings_beside_commands_where_there_is_room(monkeypa
         assert max(len(line) for line in lines if not line.startswith("  hysgen")) <= columns
         for name in NAMES:
             assert any(line.split()[:1] == [name] for line in lines)
+        first = lines.index("first steps:")
+        for above, line in itertools.pairwise(lines[: lines.index("", first)]):
+            at = len(line) - len(line.lstrip())
+            assert at <= 2 or above[at - 1] == " " != above[at] or (above in lines[first:] and not beside and at == 6)
     longest = max(len(line) for line in ("hysgen diagnose record.csv -o stage.json", "hysgen generate stage.json -o c"))
     for columns in (longest + 4 + 24, longest + 4 + 23):
         monkeypatch.setenv("COLUMNS", str(columns))

@@ -19,7 +19,7 @@ from hysgen.export import Reference, a2l, base, export_texts, fmu, programs, wri
 from hysgen.export.base import MODES, component_facts
 from hysgen.model.file import load_model
 from hysgen.model.intervals import Interval
-from hysgen.model.structs import Member, Status
+from hysgen.model.structs import Axis, Member, Status
 
 
 def test_the_variables_of_an_fmu_are_those_of_the_component() -> None:
@@ -143,6 +143,13 @@ def test_a_table_of_one_number_has_limits_that_hold_it_and_differ(value: float, 
     assert (entry.asap, entry.conversion, entry.axis_conversion) == ("FLOAT32_IEEE", "CM_FLOAT32_IEEE_um_V", "")
     word = dataclasses.replace(entry, type="uint32_t", unit="")
     assert (word.asap, word.conversion) == ("ULONG", "CM_ULONG_none")
+    axed = dataclasses.replace(entry, axis=Axis("frequency", "Hz", (0.0, 1.0)))
+    methods = {(m.name, m.type, m.unit) for m in a2l.Description((axed,), (word,), "MSB_LAST").methods}
+    assert methods == {
+        ("CM_FLOAT32_IEEE_um_V", "FLOAT32_IEEE", "um/V"),
+        ("CM_FLOAT32_IEEE_Hz", "FLOAT32_IEEE", "Hz"),
+        ("CM_ULONG_none", "ULONG", ""),
+    }
 
 
 # The comparison

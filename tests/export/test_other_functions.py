@@ -22,6 +22,7 @@ CHANNELS = len(model().channels)
 SINGLE, WORD = 1, 7
 EACH_MODE = pytest.mark.parametrize("mode", MODES, ids=lambda mode: mode.name)
 CALLS = """
+int most_inputs = 8, most_outputs = 8;
 void started(SimStruct *S) { mdlInitializeConditions(S); }
 void sized(SimStruct *S) { mdlInitializeSizes(S); }
 void timed(SimStruct *S) { mdlInitializeSampleTimes(S); }
@@ -51,6 +52,11 @@ def sfunction() -> Library:
     header = sources["simstruc.h"]
     types = header[header.index("typedef int int_T") : header.index("#define mxGetScalar")]
     types = re.sub(r"#define STANDIN_PORTS 8", "", types).replace("STANDIN_PORTS", "8")
+    # Simulink has no port where it has no memory.
+    for side in ("inputs", "outputs"):
+        header = header.replace(f"(((S)->{side} = (n)) <= STANDIN_PORTS)", f"(((S)->{side} = (n)) <= most_{side})")
+    sources["simstruc.h"] = header + "extern int most_inputs, most_outputs;\n"
+    types += "extern int most_inputs, most_outputs;\n"
     sources["calls.c"] = texts("sfunction")[f"{NAME}_sfun.c"] + CALLS
     return build(list(sources.items()), types + re.sub(r"\{.*\}", ";", CALLS))
 
@@ -93,6 +99,15 @@ def test_the_s_function_refuses_other_modes_and_waits_for_its_parameters() -> No
     for few in ((), (1.0, 1.0), (1.0, 1.0, 30.0, 2.0)):
         S = simulink(*few)
         assert (S.parameters_expected, S.inputs, S.outputs, S.dworks) == (3, 0, 0, 0)
+
+
+def test_the_s_function_sets_up_nothing_more_where_simulink_refuses_its_ports(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sfunction().lib, "most_outputs", 0)
+    S = simulink(1, 1.0, 30.0)
+    assert (getattr(S, "in")[0].width, S.out[0].width, S.dworks) == (1, 0, 0)
+    monkeypatch.setattr(sfunction().lib, "most_inputs", 0)
+    S = simulink(1, 1.0, 30.0)
+    assert (getattr(S, "in")[0].width, S.outputs, S.dworks) == (0, 0, 0)
 
 
 @EACH_MODE

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from fixtures.random_models import TS_S, lag_record, random_drive
 from hysgen.certify.certificates import certify
 from hysgen.errors import FitError
-from hysgen.fitting import FitSettings, Method, fit, least_squares
+from hysgen.fitting import FitSettings, Method, fit, least_squares, refine
 from hysgen.fitting.identify import linear_gain, structure_for
 from hysgen.fitting.least_squares import (
     CertifiedSet,
@@ -20,6 +20,7 @@ from hysgen.fitting.least_squares import (
     information,
     least_squares_inside,
 )
+from hysgen.fitting.refine import free_run_error
 from hysgen.model.disturbances.periodic import Periodic
 from hysgen.model.regression import memberships
 from hysgen.record import Record, Segment
@@ -99,6 +100,23 @@ def test_active_half_spaces_of_one_solution_save_rounds_in_a_similar_task(monkey
     assert len(rounds) - cold < 0.85 * cold
     # And it leads to the same place; 1e-6 of a limit may be violated.
     np.testing.assert_allclose(one_step.R @ warm, one_step.R @ alone, atol=1e-5 * np.linalg.norm(one_step.d))
+
+
+def test_refinement_steps_along_the_edge_of_the_certified_set_and_needs_none() -> None:
+    record = narrow_record(1)
+    free, inside = (fit(record, FitSettings(rules=9, certified=certified)) for certified in (False, True))
+    rms_um = [model.history["outcome"]["free_run_rms_um"]["refined"] for model in (free, inside)]
+    assert rms_um[0] <= rms_um[1]
+    assert not certify(free).contraction_holds
+    structure = structure_for(record, FitSettings(rules=9))
+    _, allowed = problem(record, FitSettings(rules=9))
+    now, parameters = free_run_error(record, structure).criterion(inside), inside.parameters
+    least, _ = refine._step(now, 1e-6, None, parameters, None)
+    within, _ = refine._step(now, 1e-6, allowed, parameters, None)
+    assert allowed.violated(parameters + least).floor.size > 0
+    assert allowed.violated(parameters + within).floor.size == 0
+    # Nor is it the same way, made shorter.
+    assert least @ within < 0.9 * np.linalg.norm(least) * np.linalg.norm(within)
 
 
 def test_the_gain_is_bounded_away_from_zero_where_the_record_shows_none() -> None:

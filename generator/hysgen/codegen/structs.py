@@ -269,9 +269,8 @@ class Interface:
     def declarations(self) -> str:
         """The C declarations of structs and functions for cffi."""
         channels = f"#define {self.name.upper()}_CHANNELS {self.channels}\n" if self.channels else ""
-        if self.has("commit"):
-            answers = ", ".join(f"{self.name.upper()}_COMMIT_{answer.name}" for answer in Commit)
-            channels += f"typedef enum {{ {answers} }} {self.name}_commit_t;\n"
+        answers = ", ".join(f"{self.name.upper()}_COMMIT_{answer.name}" for answer in Commit)
+        channels += f"typedef enum {{ {answers} }} {self.name}_commit_t;\n"
         declared = "".join(f"{prototype};\n" for prototype in self.prototypes.values())
         return channels + "".join(struct.declaration() for struct in self.structs) + declared
 

@@ -157,6 +157,16 @@ def test_firmware_states_sections_bounds_and_cycles_and_what_the_simulator_lacks
     assert (results[-1]["target"], results[-1]["simulated"], results[-1]["timing"]) == ("built", None, None)
 
 
+def test_timings_are_of_the_loop_alone_with_the_learner_and_with_the_idle_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(timing, "tracked", lambda *what, **idle: (*what, idle))
+    compiled: Any = SimpleNamespace(machine=lambda: "machine")
+    assert timing.timings(model(), compiled) == {
+        "loop": (model(), "machine", LOOP, {}),
+        "loop, learner": (model(), "machine", LOOP | LEARN, {}),
+        "loop, learner, idle loop": (model(), "machine", LOOP | LEARN, {"idle": True}),
+    }
+
+
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "firmware_results.md"
 FETCH, LOAD, STORE = AccessKind.FETCH, AccessKind.LOAD, AccessKind.STORE
 

@@ -7,9 +7,9 @@ constant operands are evaluated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeVar
 
 from hysgen.checking.symbolic.semantics import FLOAT, INTEGER, MASK, FloatUnit
 
@@ -51,6 +51,27 @@ class Op:
             case "select":
                 return all(arg.truth for arg in self.args[1:])
         return self.kind in COMPARISONS
+
+
+T = TypeVar("T")
+
+
+def bottom_up(op: Op, known: dict[int, T], made: Callable[[Op], T], leaves: Container[str] = ()) -> T:
+    """known[id(op)], made for every operation that `op` needs, its operands first; those of kinds `leaves` need none.
+
+    Without recursion: an expression may be deeper than Python's stack.
+    """
+    pending = [op]
+    while pending:
+        top = pending[-1]
+        missing = [] if top.kind in leaves else [arg for arg in top.args if id(arg) not in known]
+        if missing:
+            pending += missing
+            continue
+        pending.pop()
+        if id(top) not in known:
+            known[id(top)] = made(top)
+    return known[id(op)]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hysgen.checking.symbolic.arrays import COMPUTED, Words
-from hysgen.checking.symbolic.dataflow import Graph, Op
+from hysgen.checking.symbolic.dataflow import Graph, Op, bottom_up
 from hysgen.checking.symbolic.from_c import Decision
 from hysgen.checking.symbolic.solver import Solver, rebuilt, variables
 from hysgen.checking.symbolic.source import KernelRefusalError
@@ -108,19 +108,12 @@ class Sweep:
 
     def representative(self, op: Op, case: Case | None = None) -> Op:
         """The operation that stands for every operation that is equal to `op`, in a case of the truths in it."""
-        pending = [op]
-        while pending:
-            top = pending[-1]
-            missing = [arg for arg in top.args if id(arg) not in self._of]
-            if missing:
-                pending += missing
-                continue
-            pending.pop()
-            if id(top) not in self._of:
-                self._held.append(top)
-                self._of[id(top)] = self._placed(rebuilt(self.graph, top, [self._of[id(arg)] for arg in top.args]))
-        whole = self._of[id(op)]
+        whole = bottom_up(op, self._of, self._standing)
         return whole if case is None or not case.decided else self._restricted(whole, case)
+
+    def _standing(self, op: Op) -> Op:
+        self._held.append(op)
+        return self._placed(rebuilt(self.graph, op, [self._of[id(arg)] for arg in op.args]))
 
     def _restricted(self, op: Op, case: Case) -> Op:
         """A representative with the truths of a case in place of its conditions.
@@ -208,17 +201,7 @@ class Sweep:
 
     def _placed(self, op: Op) -> Op:
         """The representative of an operation of the sweep's own graph, whose operands may be new, too."""
-        pending = [op]
-        while pending:
-            top = pending[-1]
-            missing = [arg for arg in top.args if id(arg) not in self._merged]
-            if missing:
-                pending += missing
-                continue
-            pending.pop()
-            if id(top) not in self._merged:
-                self._merged[id(top)] = self._earlier(top)
-        return self._merged[id(op)]
+        return bottom_up(op, self._merged, self._earlier)
 
     def _earlier(self, op: Op) -> Op:
         """An operation with the same value for every input that was placed before, or the operation itself."""

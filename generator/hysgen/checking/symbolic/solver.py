@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from hysgen.checking.symbolic.arrays import COMPUTED
-from hysgen.checking.symbolic.dataflow import Graph, Op
+from hysgen.checking.symbolic.dataflow import Graph, Op, bottom_up
 from hysgen.checking.symbolic.expressions import negated
 from hysgen.checking.symbolic.memory import WORD
 from hysgen.checking.symbolic.semantics import MASK, from_image
@@ -215,17 +215,7 @@ class Solver:
         return chosen
 
     def _term(self, op: Op) -> Any:
-        pending = [op]
-        while pending:
-            top = pending[-1]
-            missing = [] if top.kind in _FREE else [arg for arg in top.args if id(arg) not in self._of]
-            if missing:
-                pending += missing
-                continue
-            pending.pop()
-            if id(top) not in self._of:
-                self._of[id(top)] = self._made(top)
-        return self._of[id(op)]
+        return bottom_up(op, self._of, self._made, leaves=_FREE)
 
     def _made(self, op: Op) -> Any:
         make, kinds = self._terms.mk_term, self._b.Kind
