@@ -1,5 +1,6 @@
 """Display, estimator and interface: every branch of a table, every argument that is handed on, every refusal."""
 
+import contextlib
 import dataclasses
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 import hysgen
 from hysgen import estimator as estimating
+from hysgen import targets
 from hysgen.api import models
 from hysgen.display import Displayed, Summary, decimal, table
 from hysgen.errors import FitError, HysgenError
@@ -124,6 +126,20 @@ def test_the_estimator_fits_predicts_and_scores_by_its_parameters(monkeypatch: p
         defaults.set_params(colour=1)
     with pytest.raises(FitError, match=r"^the estimator is not fitted;"):
         defaults.score(U_V, Y_UM[:-1])
+
+
+def test_a_target_whose_package_is_missing_is_left_out_and_a_fault_inside_it_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for lacks, heard in (("hysgen_other", False), ("numpy.missing", True)):
+
+        def load(lacks: str = lacks) -> Any:
+            raise ModuleNotFoundError(f"No module named {lacks}", name=lacks)
+
+        entries = [SimpleNamespace(name="other", module="hysgen_other.target", load=load)]
+        monkeypatch.setattr(targets.metadata, "entry_points", lambda group, entries=entries: entries)
+        with pytest.raises(ModuleNotFoundError, match=lacks) if heard else contextlib.nullcontext():
+            assert list(targets.targets.__wrapped__()) == ["cortex-m4", "cortex-m7", "emulated"]
 
 
 def test_generated_files_are_listed_with_lines_and_bytes_and_written(tmp_path: Path) -> None:

@@ -136,6 +136,34 @@ def test_a_value_does_not_wait_for_a_condition_under_which_it_is_used() -> None:
         assert computed(dataflow, [x_bits, y_bits, rested]) == bits
 
 
+def test_a_side_that_a_constant_decides_is_executed_once_and_may_return() -> None:
+    source = dict(texts("appendix_a"))
+    source["appendix_a.c"] += """
+float appendix_a_unrolled(float x)
+{
+    float s = x;
+    for (uint32_t i = 0u; i < 3u; ++i) {
+        if (i == 1u) {
+            s = s + 1.0f;
+        } else {
+            s = s * 2.0f;
+        }
+    }
+    if (s < 100.0f) {
+        s = s - 3.0f;
+    }
+    if (1u != 0u) {
+        return s;
+    }
+    return 0.0f;
+}
+"""
+    dataflow = kernel(Source("appendix_a", source), "appendix_a_unrolled")
+    for x, expected in ((5.0, 19.0), (60.0, 242.0)):
+        given, bits = (int(each) for each in np.array([x, expected], np.float32).view(np.uint32))
+        assert computed(dataflow, [given]) == bits
+
+
 def test_the_largest_of_many_words_is_found_by_pairs() -> None:
     source = dict(texts("appendix_a"))
     source["appendix_a.c"] += LARGEST
