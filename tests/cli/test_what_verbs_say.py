@@ -126,6 +126,8 @@ def test_compare_scores_models_on_the_same_records_and_describe_says_every_part(
     assert list(said.json["models"]) == ["appendix_a", "m"]
     alone = Said("score @m.json @b.csv --rows 100:", folder, capsys).json
     assert said.json["models"]["m"] == {key: alone[key] for key in said.json["models"]["m"]}
+    assert main(["compare", f"{folder}/m.json", f"{folder}/a.csv"]) == 0
+    assert "warning: m: a.csv: is the record that was fitted;" in capsys.readouterr().err
     own = {}
     for name, scores in said.json["models"].items():
         free, own[name], ahead = (scores[key]["e_rms_um"] for key in ("free_run", "own", "one_step"))

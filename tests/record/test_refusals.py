@@ -23,6 +23,7 @@ import scipy.io
 from fixtures.record_of_files import SAMPLES, check, sample_text
 from hysgen.errors import RecordError
 from hysgen.record import Columns, Record, load_record
+from hysgen.record.arrays import FileArrays, find
 from hysgen.record.sampling import sampling_period
 from hysgen.record.segment import Origin, Segment
 
@@ -36,6 +37,21 @@ Y_UM = np.round(5 + 3 * np.sin(2 * np.pi * (K - 4) / 100) + 1e-3 * np.random.def
 ROWS = [f"{t},{u},{y}" for t, u, y in zip(TIME_S, U_V, Y_UM, strict=True)]
 CLIPPED_UM = np.minimum(Y_UM, 7.5)
 SPREAD_UM = np.stack([Y_UM, Y_UM], axis=1)
+SEGMENT = Segment("0", U_V, Y_UM)
+
+
+class Frame(dict[str, np.ndarray]):
+    """What a DataFrame is to hysgen."""
+
+    columns = property(list)
+
+
+FRAME = Frame(voltage_V=U_V, displacement_um=Y_UM)
+
+
+def picked(index: str) -> object:
+    """What an index picks from an array of two columns."""
+    return list(find("f", FileArrays({"u": SPREAD_UM}), USUAL, "voltage", f"u[{index}]"))
 
 
 def text() -> bytes:
@@ -154,6 +170,27 @@ BAD_OPTIONS: list[tuple[str, Callable[[], object], tuple[str, ...]]] = [
     ("period that is none", lambda: Columns(Ts_s=-1.0), ("Ts_s: -1 s", "positive number")),
     ("period that is no number", lambda: Columns.from_text("Ts_s=fast"), ("Ts_s 'fast'", "give seconds")),
     ("two-letter separator", lambda: Columns(separator="::"), ("separator: '::'", "choose from comma")),
+    ("decimal sign of no kind", lambda: Columns(decimal=";"), ("decimal: ';'", "choose '.' or ','")),
+    ("key without value", lambda: Columns.from_text("voltage"), ("'voltage' has no value", "write voltage=NAME")),
+    ("no record", Record.joined, ("no record given", "name at least one")),
+    ("no segment", lambda: Record.from_segments([], 1e-3), ("arrays: holds no samples", "at least one segment")),
+    ("no period", lambda: Record.from_segments([SEGMENT], math.nan), ("Ts_s = nan s", "positive number")),
+    ("no frame", lambda: Record.from_dataframe(3), ("a int is no DataFrame", "Record.from_arrays")),
+    ("a frame as a file", lambda: load_record(FRAME), ("a DataFrame is no file", "Record.from_dataframe")),
+    ("jitter of all", lambda: load_record("a.csv", jitter=1.0), ("jitter: 1 is no share", "0 to below 1")),
+    ("no index", lambda: picked(":,x"), ("'x' in 'u[:,x]' is no index", "'a:b'")),
+    (
+        "one number",
+        lambda: picked("0,1"),
+        ("picks a single number", "where time runs"),
+    ),
+    ("few indices", lambda: picked(":"), ("has 1 indices", "2 axes")),
+    (
+        "index beyond",
+        lambda: picked(":,2"),
+        ("outside axis 1 of length 2", "from 0"),
+    ),
+    ("no time", lambda: Record.from_dataframe(FRAME, "time="), ("no sampling period", "Ts_s=SECONDS")),
     (
         "unknown refusal",
         lambda: Record.from_arrays(U_V, Y_UM, 1e-3, accept=["noise"]),
