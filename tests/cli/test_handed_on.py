@@ -1,5 +1,6 @@
 """What a verb hands on to the computation, and what it makes of the answer: text, JSON, files, exit code."""
 
+import dataclasses
 import json
 import os
 import re
@@ -9,15 +10,16 @@ from typing import Any
 
 import pytest
 
+from hysgen.api.code import Generated
 from hysgen.cli import main
 from hysgen.cli.console import Console
 from hysgen.cli.main import parser
-from hysgen.cli.verbs import firmware, generate, verify
-from hysgen.errors import BuildError
+from hysgen.cli.verbs import firmware, generate, refit, verify
+from hysgen.errors import BuildError, HysgenError
 from hysgen.export import Compared
 from hysgen.firmware import Label, build_id, encode, structure_digest
 from hysgen.model.file import load_model
-from hysgen.targets import emulated
+from hysgen.targets import TargetCost, emulated
 
 
 class Recorded:
@@ -183,3 +185,125 @@ def test_a_fault_of_hysgen_is_one_line_with_an_exit_code_of_its_own(
     )
     with pytest.raises(ZeroDivisionError):
         main(["schema", "score", "--verbose"])
+
+
+def test_verify_proves_if_it_is_asked_and_both_answers_decide(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    proofs, written = Recorded(), list[dict[str, Any]]()
+    monkeypatch.setattr(Console, "write_json", lambda _, told: written.append(told))
+    monkeypatch.setattr(verify, "prove", lambda *given, progress: proofs(*given))
+    for equal, clean in ((True, True), (True, False), (False, True)):
+        monkeypatch.setattr(verify, "verify", Recorded(equal))
+        proofs.checks = {"equal": SimpleNamespace(answer=Recorded(clean)), "finite": SimpleNamespace(answer=Recorded())}  # type: ignore[attr-defined]
+        proofs.clean = clean  # type: ignore[attr-defined]
+        assert main(["verify", "d", "--prove"]) == (0 if equal and clean else 1)
+        assert capsys.readouterr().out == "first\nlast\n" * 3
+        told = written.pop()
+        assert (told["equal"], told["proof"], told["finite"]) == (equal, {"equal": clean}, {"equal": True})
+    assert proofs.calls == [((Path("d"), ["equal"]), {})] * 3
+
+
+def test_prove_warns_of_altered_files_and_says_each_check(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = SimpleNamespace(model=load_model("appendix_a"), texts={}, altered=("a.c was changed",))
+    monkeypatch.setattr(verify, "read_folder", lambda _: folder)
+    given: list[Any] = []
+    written: list[dict[str, Any]] = []
+
+    def proved(code: Any, names: list[str], settings: Any, progress: Any) -> Any:
+        given.append((names, settings))
+        holds = names != ["sanitize"]
+        return SimpleNamespace(checks={names[0]: SimpleNamespace(answer=Recorded(holds), holds=holds)})
+
+    monkeypatch.setattr(verify, "prove", proved)
+    monkeypatch.setattr(Console, "write_json", lambda _, told: written.append(told))
+    for only, code in (("warnings", 0), ("warnings,sanitize", 1)):
+        assert main(["prove", "d", "--only", only, "--samples", "7", "--calls", "learn,,init", "--force"]) == code
+        captured = capsys.readouterr()
+        assert captured.err == "warning: a.c was changed\n"
+        assert captured.out == "".join(f"{name}:\nfirst\nlast\n\n" for name in only.split(","))
+    assert [told["clean"] for told in written] == [True, False]
+    assert [told["altered"] for told in written] == [["a.c was changed"]] * 2
+    settings = verify.CheckSettings(7, ("learn", "init"))
+    assert given == [(["warnings"], settings), (["warnings"], settings), (["sanitize"], settings)]
+
+
+def test_kernels_are_asked_for_and_what_stays_in_c_is_a_warning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given: list[Any] = []
+
+    def scheduled(code: Any, target: Any, *assembler: Any) -> Any:
+        given.append((target.name, *assembler))
+        return Generated(code.model, {**code.texts, "k.asm": "kernels"}, ("learn stays in C: too long",))
+
+    def missing(*_: object) -> None:
+        raise BuildError("no compiler")
+
+    monkeypatch.setattr("hysgen_c674x.firmware.timing.link_image", missing)
+    monkeypatch.setattr(firmware, "firmware_model", lambda model, **asked: {"model.h": f"{asked}"})
+    for verb in (generate, firmware):
+        monkeypatch.setattr(verb, "with_kernels", scheduled)
+    assert main(["generate", "appendix_a", "-o", "c", "--kernels", "c674x", "--assembler", "gnu"]) == 0
+    assert "warning: learn stays in C: too long\n" in capsys.readouterr().err
+    assert main(["firmware", "appendix_a", "-o", "f", "--kernels", "c674x"]) == 0
+    assert "warning: learn stays in C: too long\n" in capsys.readouterr().err
+    assert given == [("c674x", "gnu"), ("c674x",)]
+    assert {Path(name, "k.asm").read_text() for name in "cf"} == {"kernels"}
+    assert Path("f/model.h").read_text() == "{'aligned': True, 'forced': False}"
+    monkeypatch.setattr(firmware, "named", lambda ability: [])
+    assert main(["firmware", "appendix_a", "-o", "f", "--force"]) == 0
+    assert "no package of a target that the firmware runs on is installed" in capsys.readouterr().err
+
+
+def test_cost_shows_what_a_target_measured_below_the_estimate(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    figures = {
+        "predict": {"cycles": 91, "code_bytes": 700},
+        "all": {"code_bytes": 900, "stack_bytes": 64},
+        "data": {"struct_bytes": 50, "constant_bytes": 60},
+    }
+    measured = TargetCost(figures, ("measured by hand",), {"compiler": "gcc"})
+    monkeypatch.chdir(tmp_path)
+    assert main(["generate", "appendix_a", "-o", "c", "-q"]) == 0
+    own = dataclasses.replace(generate.targets()["c674x"], cost=lambda model, texts: measured)
+    monkeypatch.setattr(generate, "target", lambda name, ability: own)
+    written: list[dict[str, Any]] = []
+    monkeypatch.setattr(Console, "write_json", lambda _, told: written.append(told))
+    capsys.readouterr()
+    assert main(["cost", "c", "--target", "c674x"]) == 0
+    assert [line.split() for line in capsys.readouterr().out.splitlines()[-4:]] == [
+        ["predict", "91", "700", "-"],
+        ["all", "-", "900", "64"],
+        ["data:", "50", "bytes", "of", "structs,", "60", "of", "constants"],
+        ["measured", "by", "hand"],
+    ]
+    (told,) = written
+    assert (told["target"], told["compiler"]) == (figures, "gcc")
+    assert told["functions"]["predict"]["cycles"] == {"value": 91, "measured": True}
+
+
+def test_a_record_that_cannot_be_explained_is_said_and_a_warning_of_the_c_is_shown(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def refused(*_: object, **__: object) -> None:
+        raise HysgenError("too short")
+
+    console = Console(quiet=False)
+    monkeypatch.setattr(refit, "diagnose", refused)
+    assert refit.explain(load_model("appendix_a"), SimpleNamespace(), console) == {"error": "too short"}  # type: ignore[arg-type]
+    assert capsys.readouterr().out == "diagnosis: too short\n"
+    code = Generated(load_model("appendix_a"), {"a.c": "int a;"}, ("over its budget",))
+    monkeypatch.setattr(refit, "generate_again", lambda *_: code)
+    monkeypatch.setattr(refit, "verify", lambda *_: Recorded(False))
+    (tmp_path / "a.c").write_text("int b;")
+    told = refit.regenerate(code.model, tmp_path, console, False)
+    captured = capsys.readouterr()
+    assert "warning: over its budget\n" in captured.err
+    assert captured.out == f"changed in {tmp_path}: a.c; as before: 0 files\nlast\n"
+    assert told == {"changed": ["a.c"], "equal": False, "samples": 3}
+    assert (tmp_path / "a.c").read_text() == "int a;"

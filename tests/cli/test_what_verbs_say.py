@@ -3,6 +3,7 @@
 inspect says what a file holds, and which causes its excitation can show.
 """
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -12,6 +13,8 @@ import numpy as np
 import pytest
 
 from hysgen.cli import main
+from hysgen.model.disturbances.drift import Drift
+from hysgen.model.file import load_model, save_model
 from hysgen.record import Record, record_csv
 from hysgen.record.read import bundled_csv
 
@@ -137,6 +140,16 @@ def test_compare_scores_models_on_the_same_records_and_describe_says_every_part(
     assert len(twice.json["models"]) == 2, "models of one stem have their paths as names"
     assert main(["compare", "appendix_a", f"{folder}/m.json"]) == 2
     assert "2 models and 0 records given" in capsys.readouterr().err
+    page, picture = folder / "page.html", folder / "picture.png"
+    Said("compare appendix_a @m.json @b.csv --report @page.html", folder, capsys).lines("written: page.html")
+    assert "appendix_a, m on b.csv" in page.read_text(encoding="utf-8")
+    Said("score @m.json @b.csv --plot @picture.png --report @page.html", folder, capsys).lines(
+        "written: page.html", "written: picture.png"
+    )
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    model = load_model("appendix_a")
+    save_model(dataclasses.replace(model, terms=(Drift(0.01, 0.05),), weights=np.ones(1)), folder / "d.json")
+    Said("describe @d.json", folder, capsys).lines("disturbance: drift: drift followed over 0.01 s, .*")
     told = Said("describe extended", folder, capsys)
     certificates = told.json["certificates"]
     told.lines(
@@ -156,6 +169,11 @@ def test_compare_scores_models_on_the_same_records_and_describe_says_every_part(
         ("generate @m.json -o x --cycles predict", "'predict' is not FUNCTION=N"),
         ("generate @m.json -o x --cycles predict=-1", "'predict=-1' is not FUNCTION=N"),
         ("prove @c --only bits", "bits"),
+        ("verify @c --prove --target c674x", "leave one of them out"),
+        ("fit @a.csv --relaxation -o x", "--relaxation: is a property of the hysteresis; give --memory too"),
+        ("diagnose @a.csv --drift-since 5nm -o x", "state both"),
+        ("experiment @a.csv --range 0..120 -o x.csv", "--range '0..120' is not LOW:HIGH in V, as 0:120"),
+        ("experiment @a.csv --range 0:x -o x.csv", "--range '0:x' is not LOW:HIGH in V, as 0:120"),
     ],
 )
 def test_options_that_do_not_belong_together_are_refused(
