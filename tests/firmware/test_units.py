@@ -111,7 +111,9 @@ def test_the_limits_of_the_output_are_inside_the_converters_range_as_calibrated(
     narrow = replace(ROOMY, low_V=-19.0, high_V=114.0)
     for calibration in ({"output_gain": 1.05}, {"output_zero_V": 5.0}):
         assert wrong_field(replace(narrow, **calibration)) is None
-        assert wrong_field(replace(ROOMY, **calibration)) in ("low_V", "high_V")
+        assert wrong_field(replace(narrow, high_V=120.0, **calibration)) == "high_V"
+    for calibration in ({"output_gain": 1.05}, {"output_zero_V": -5.0}):
+        assert wrong_field(replace(narrow, low_V=-20.0, **calibration)) == "low_V"
     for beyond in ({"low_V": -21.0}, {"high_V": 121.0}):
         assert wrong_field(replace(ROOMY, output_gain=0.95, **beyond)) in beyond
 
