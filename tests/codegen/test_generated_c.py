@@ -95,6 +95,7 @@ def test_nothing_forbidden_stands_in_the_code(name: str) -> None:
         assert set(re.findall(r"#include (.*)", code)) <= {"<stdint.h>", "<float.h>", "<limits.h>", ""}
         assert all("const" in line for line in re.findall(r"^static [^()]*(?:=|;).*$", code, re.MULTILINE))
         assert not re.search(r"\b\d+\.\d*(?![\d.]*[ef\d])", code), "a number without f would be a double"
+        assert not re.search(r"^(?:\w+ )?\w+ = |^\(void\)|^(?:if|for|return)\b", code, re.MULTILINE), "not indented"
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -143,6 +143,9 @@ def test_a_table_of_one_number_has_limits_that_hold_it_and_differ(value: float, 
     assert (entry.asap, entry.conversion, entry.axis_conversion) == ("FLOAT32_IEEE", "CM_FLOAT32_IEEE_um_V", "")
     word = dataclasses.replace(entry, type="uint32_t", unit="")
     assert (word.asap, word.conversion) == ("ULONG", "CM_ULONG_none")
+    flags = (Status.Y_CLAMPED, Status.UNREACHABLE)
+    bits = [(bit.name, bit.about, bit.low, bit.high, bit.mask) for bit in a2l._bits(word, flags)]
+    assert bits == [(f"m_t.{flag.name}", flag.meaning, low, 1.0, hex(flag)) for flag in flags]
     axed = dataclasses.replace(entry, axis=Axis("frequency", "Hz", (0.0, 1.0)))
     methods = {(m.name, m.type, m.unit) for m in a2l.Description((axed,), (word,), "MSB_LAST").methods}
     assert methods == {

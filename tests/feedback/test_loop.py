@@ -42,6 +42,9 @@ def test_a_thousand_chains_settle_with_six_tenths_of_their_first_mode(modes: int
     assert loop.certificate.pole == round(loop.certificate.pole, 9) < 1.0  # the digits of a bound
     assert loop.first_Hz == pytest.approx(min(model.blocks[0].f_Hz))
     assert loop.certificate.bandwidth_Hz >= max(0.6 * loop.first_Hz, 3.0 * loop.certificate.integral_Hz)
+    for settling_s, said in ((0.0123, "in 12.3 ms"), (None, "in not settled")):
+        settled = dataclasses.replace(loop.certificate, settling_s=settling_s)
+        assert said in str(dataclasses.replace(loop, certificate=settled))
     samples = math.ceil(20.0 / (2.0 * math.pi * 0.6 * loop.first_Hz * model.Ts_s))
     y = np.abs(loops.pushed(model, loop, np.random.default_rng(modes), 2 * samples))
     # What is left rings in the light modes, which the loop lets alone.

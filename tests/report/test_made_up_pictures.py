@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
 from fixtures.made_up_study import (
@@ -226,6 +227,9 @@ def test_results_are_drawn_with_their_own_numbers(tmp_path: Any) -> None:
     assert axis.get_title(loc="left") == "made_up"
     assert 1.0 < axis.figure.get_size_inches()[1] < 2.0
     assert draw(BOTH).figure.axes[0].get_xlabel() == "free run, held out, rms [µm]"
+    drawn = [axis.figure for axis in (above, axis)]
+    # Nothing is written larger than a title.
+    assert all(text.get_fontsize() <= 10.0 for figure in drawn for text in figure.findobj(Text))
     with pytest.raises(HysgenError, match="there is no such picture; choose one of record, "):
         draw(BOTH, "nothing")
     with pytest.raises(HysgenError, match="int: there is nothing to plot"):

@@ -844,8 +844,8 @@ static float extended_inputs_invert(extended_inputs_t *inputs, float w, extended
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
-(void)extended_creep_ahead(&inputs->creep, &creep, w_ahead);
+    float w_ahead = extended_flushed(extended_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+    (void)extended_creep_ahead(&inputs->creep, &creep, w_ahead);
     solved = extended_flushed(extended_creep_solve(&creep, solved));
     solved = extended_flushed(extended_hysteresis_solve(&hysteresis, solved));
     const float allowed = extended_allowed(solved, span, &found->u_clamped);

@@ -30,8 +30,8 @@ extern "C" {
 
 #define EXTENDED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of extended.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EXTENDED_ALGORITHM "a3973cf5f1e6cc8824202bbae252415c705a261b4f5647fcce11f2af8c768321"
-#define EXTENDED_ALGORITHM_WORD 0xa3973cf5u  /**< its first 32 bits */
+#define EXTENDED_ALGORITHM "6be18bd38b159de90d646f4a8e2005873a8cfd5846307972ec205ae99add0c8d"
+#define EXTENDED_ALGORITHM_WORD 0x6be18bd3u  /**< its first 32 bits */
 
 #define EXTENDED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EXTENDED_PERIOD_NS 20000u  /**< sample period [ns] */

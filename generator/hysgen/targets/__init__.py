@@ -34,10 +34,10 @@ class Extent:
     """What `verify --target` compares: samples of each function and updates of the learner, None for the target's own
     numbers; seed of the inputs; machines to run on, () for all."""
 
-    samples: int | None = None
-    seed: int = 1
-    updates: int | None = None
-    machines: Sequence[str] = ()
+    samples: int | None
+    seed: int
+    updates: int | None
+    machines: Sequence[str]
 
 
 class Equality(Protocol):

@@ -911,9 +911,9 @@ static float diagnosed_inputs_invert(diagnosed_inputs_t *inputs, float w, diagno
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-float w_ahead = diagnosed_flushed(diagnosed_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
-w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahead));
-(void)diagnosed_modes_ahead(&inputs->modes, &modes, w_ahead);
+    float w_ahead = diagnosed_flushed(diagnosed_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+    w_ahead = diagnosed_flushed(diagnosed_creep_ahead(&inputs->creep, &creep, w_ahead));
+    (void)diagnosed_modes_ahead(&inputs->modes, &modes, w_ahead);
     solved = diagnosed_flushed(diagnosed_modes_solve(&modes, solved + led));
     const float asked = solved;
 

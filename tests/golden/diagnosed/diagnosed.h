@@ -30,8 +30,8 @@ extern "C" {
 
 #define DIAGNOSED_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of diagnosed.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define DIAGNOSED_ALGORITHM "dfcfb67e80ddaaa710aabd7fd8c43cd6d8cd2115a19e8325223376c6854a4b74"
-#define DIAGNOSED_ALGORITHM_WORD 0xdfcfb67eu  /**< its first 32 bits */
+#define DIAGNOSED_ALGORITHM "0cd02f49955171d8ba47237e686358faeeb690a6a0df48922ba0ea2f9993f456"
+#define DIAGNOSED_ALGORITHM_WORD 0x0cd02f49u  /**< its first 32 bits */
 
 #define DIAGNOSED_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define DIAGNOSED_PERIOD_NS 20000u  /**< sample period [ns] */

@@ -895,9 +895,9 @@ static float everything_inputs_invert(everything_inputs_t *inputs, float w, ever
 
     /* What arrives next depends on the command that follows: the responses are one sample behind, and a copy of them
      * goes ahead by the voltage that the call before asked for. */
-float w_ahead = everything_flushed(everything_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
-w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ahead));
-(void)everything_modes_ahead(&inputs->modes, &modes, w_ahead);
+    float w_ahead = everything_flushed(everything_hysteresis_ahead(&inputs->hysteresis, &hysteresis, inputs->v_V));
+    w_ahead = everything_flushed(everything_creep_ahead(&inputs->creep, &creep, w_ahead));
+    (void)everything_modes_ahead(&inputs->modes, &modes, w_ahead);
     solved = everything_flushed(everything_modes_solve(&modes, solved + led));
     const float asked = solved;
 

@@ -33,8 +33,8 @@ extern "C" {
 
 #define EVERYTHING_HYSGEN "0.1.0"  /**< version of hysgen that generated the files */
 /** SHA-256 of everything.c, as in MANIFEST.json: the algorithm, which changes only with the model's structure. */
-#define EVERYTHING_ALGORITHM "330c8ad2d955459e87f8a447e96b77225436aa35e06b776502183cba9d220b42"
-#define EVERYTHING_ALGORITHM_WORD 0x330c8ad2u  /**< its first 32 bits */
+#define EVERYTHING_ALGORITHM "052919ae6a5db9f0a541a6ecb75a0121303eff888bd7c228c5aa5d4053a09267"
+#define EVERYTHING_ALGORITHM_WORD 0x052919aeu  /**< its first 32 bits */
 
 #define EVERYTHING_TS_S 1.99999995e-05f  /**< sample period [s] */
 #define EVERYTHING_PERIOD_NS 20000u  /**< sample period [ns] */
