@@ -237,7 +237,7 @@ def test_the_loop_and_its_standard_error_agree_with_repeated_noise_where_the_lag
     for _ in range(20):
         scene = Scene((Trace(u_V, clean + 0.05 * rng.normal(size=3000), {}),), TS_S, np.arange(50, 3000), operator)
         fit = refine(scene, Chain(3e-3, memory=True))
-        opening = np.trapezoid(scene.columns_along(fit.chain, sine)[:, 200:], sine[200:], axis=1) / 9.0
+        opening = np.trapezoid(operator.columns(sine)[:, 200:], sine[200:], axis=1) / 9.0
         found.append(opening @ fit.weights[: len(opening)])
         errors.append(functional_error(scene, fit, opening))
     # As above; without the column of the lag, the error is less than half of the spread.

@@ -215,17 +215,11 @@ def swings(u_V: Floats) -> NDArray[np.int64]:
     return np.searchsorted(np.append(moves[:1], turning_rows(u_V, 0.0)), np.arange(len(u_V))).astype(np.int64)
 
 
-PERIOD = 1000
-"""Samples of a period of the slow sine under which the opening of the columns of h is measured."""
-
-
 def _opening(residual: Residual, model: Model) -> Floats:
     """(size of h,) mean opening of each column of h under the slow sine of `loop_width`, in its second period."""
     middle_V, half_V = 0.5 * (model.u_min_V + model.u_max_V), LOOP_SHARE * 0.5 * (model.u_max_V - model.u_min_V)
-    u_V = middle_V + half_V * np.sin(2.0 * np.pi * np.arange(2 * PERIOD + 1) / PERIOD)
-    h = residual.scene.columns_along(residual.fit.chain, u_V)[:, PERIOD:]
-    steps_V = np.diff(u_V[PERIOD:])
-    return 0.5 * (h[:, 1:] + h[:, :-1]) @ steps_V / (2.0 * half_V)
+    u_V = middle_V + half_V * np.sin(np.linspace(0.0, 4.0 * np.pi, 2001))
+    return np.asarray(np.trapezoid(residual.scene.operator.columns(u_V)[:, 1000:], u_V[1000:])) / (2.0 * half_V)
 
 
 def _slack(residual: Residual) -> Floats:

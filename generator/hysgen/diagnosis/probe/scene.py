@@ -140,10 +140,6 @@ class Scene:
             return dataclasses.replace(self.operator, relaxation=chain.relaxation)
         return dataclasses.replace(self.operator, hats=0, reaches=(), curve=CURVE_ALONE if chain.curve else 1)
 
-    def columns_along(self, chain: Chain, u_V: Floats) -> Floats:
-        """(operator.size, n) columns of h along another voltage, (n,)."""
-        return self._operator(chain).columns(u_V)
-
     def hysteresis(self, chain: Chain) -> list[Driven]:
         """Columns of h for each run, (operator.size, k_i + n_i) with its history, for the chain's amplifier."""
         operator = self._operator(chain)
