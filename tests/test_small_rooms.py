@@ -14,6 +14,7 @@ import hysgen
 from hysgen import estimator as estimating
 from hysgen import targets
 from hysgen.api import models
+from hysgen.api.code import with_kernels
 from hysgen.display import Displayed, Summary, decimal, table
 from hysgen.errors import FitError, HysgenError
 from hysgen.fitting import FitSettings, PathSize
@@ -149,3 +150,5 @@ def test_generated_files_are_listed_with_lines_and_bytes_and_written(tmp_path: P
     assert (found.header, found.rows) == (["file", "lines", "bytes"], [["a.h", "2", "5"], ["b.c", "1", "1"]])
     assert code.write(str(tmp_path / "c")) == tmp_path / "c"
     assert (tmp_path / "c" / "a.h").read_text(encoding="utf-8") == code["a.h"]
+    with pytest.raises(HysgenError, match="cortex-m4: has no kernels"):
+        with_kernels(code, targets.target("cortex-m4", "weights"))

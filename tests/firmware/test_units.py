@@ -161,7 +161,9 @@ def test_frames_beside_bad_ones_are_taken_and_bad_ones_are_not() -> None:
     good, long = bytes(range(128)), bytes(range(1, 130))
     cut, empty = frame(b"abcdef")[:-3] + b"\0", frame(b"")
     flipped = frame(b"abcdef").replace(b"c", b"C")
-    for bad in (frame(long), frame(bytes(129)), frame(b"\1" * 240), cut, empty, flipped, b"\0\0", b"\x05\0", b"\xff\0"):
+    longer = frame(good)[:-1] + b"\x03xy\0"  # what fits into the receiver is a good frame
+    broken = (cut, empty, flipped, longer, b"\0\0", b"\x05\0", b"\xff\0")
+    for bad in (frame(long), frame(bytes(129)), frame(b"\1" * 240), *broken):
         assert taken(bad) == []
         assert taken(frame(good) + bad + frame(b"next")) == [good, b"next"]
     assert made(long) == frame(long[:128]), "what is longer than a payload is cut"
