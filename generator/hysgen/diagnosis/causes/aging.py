@@ -23,8 +23,8 @@ MOST_CHANGE = 0.5
 """Least fall of the gain over a record that is no aging, and largest start: a ceramic loses some 5 % per decade of
 time, and from the first ms to a year there are ten. A gain that falls by more is a sign of a part that is missing."""
 
-STARTING_CHANGE = 0.03
-"""Relative change of the gain over the record, a start with either sign.
+STARTING_CHANGES = (0.003, 0.03)
+"""Starting values of the relative change of the gain over the record, used with both signs.
 
 A hysteresis that was fitted without aging has absorbed part of the aging, so a change with the wrong sign can have the
 smaller error before the refinement.
@@ -87,11 +87,11 @@ class AgingCause(Cause):
         growing = scene.time_s * residual.about_zero_um()
         most = MOST_CHANGE / scene.span_s
         rate = float(np.clip(residual.amount(growing), -most, most))
-        rates = (rate, STARTING_CHANGE / scene.span_s, -STARTING_CHANGE / scene.span_s)
+        rates = (rate, *(sign * share / scene.span_s for sign in (1.0, -1.0) for share in STARTING_CHANGES))
         return [chain.having(AgingPart(rate)) for rate in rates]
 
     def select_starts(self, candidates: list[TrainingFit]) -> list[TrainingFit]:
-        """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGE)."""
+        """The best start of each sign, because a refinement may not change the sign (STARTING_CHANGES)."""
         return list(
             {candidate.chain.of(AgingPart).per_s > 0.0: candidate for candidate in reversed(candidates)}.values()
         )
