@@ -130,6 +130,14 @@ def test_too_few_samples_for_the_structure_are_refused() -> None:
         fit(record)
 
 
+def test_rls_with_a_negative_variance_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = lag_record(samples=200)
+    structure = structure_for(record, FitSettings(rules=3))
+    monkeypatch.setattr(least_squares, "rls_updates", lambda rows, target, forgetting, q, P: P.fill(-1e-12))
+    with pytest.raises(FitError, match="lost its covariance"):
+        recursive_least_squares(record, structure)
+
+
 def test_rls_that_lost_its_covariance_is_refused() -> None:
     # A constant input leaves directions without information, and forgetting blows their covariance up.
     u = np.full(40_000, 30.0)

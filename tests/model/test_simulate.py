@@ -118,6 +118,16 @@ def test_inputs_outside_the_range_are_clamped_and_counted_and_blocks_come_after(
     assert same.u_clamped == run.u_clamped
 
 
+def test_what_was_clamped_before_the_first_row_is_not_counted() -> None:
+    model = random_model(5, wild=0.05)
+    y = np.full(500, model.grid.centres_um[2])
+    y[100:120], y[300:303] = model.grid.y_max_um + 1.0, model.grid.y_min_um - 1.0
+    record = Record.from_segments([Segment("0", random_drive(500, 1), y)], TS_S)
+    assert [one_step(model, part)[0].y_clamped for part in (record, *record.split(0.5))] == [23, 20, 3]
+    scored = dataclasses.replace(model, scores={"a": {}}, certificates={"b": {}})
+    assert scored.behind_path.scores == scored.behind_path.certificates == {}, "they are those of the whole model"
+
+
 def test_horizon_curve_is_the_error_of_short_free_runs() -> None:
     model = random_model(7, wild=0.05, terms=DISTURBED)
     record = lag_record(samples=120)
