@@ -30,14 +30,13 @@ from hysgen.float32.struct_words import (
     Holds,
     LearnerStatus,
     LearnerWords,
-    MeantEnum,
     Phase,
     Restart,
     Start,
 )
 from hysgen.model.float32_arithmetic import ROUNDING
 from hysgen.model.model import Model
-from hysgen.model.structs import Axis, Quantity
+from hysgen.model.structs import Axis, MeantEnum, Quantity
 
 GRIDS: Final = {"REGRESSOR": REGRESSOR_GRID, "FACTOR": FACTOR_GRID, "GAIN": GAIN_GRID, "STEP": STEP_GRID}
 

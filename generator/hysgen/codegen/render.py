@@ -355,7 +355,7 @@ def hexes(row: tuple[Sequence[int], Sequence[int], int]) -> str:
 
 
 def _status_rows(upper: str, responds: bool) -> list[str]:
-    flags = [flag for flag in Status if responds or flag is not Status.INVERSE_RESIDUAL]
+    flags = Status.of(responds)
     names = [f"{upper}_STATUS_{flag.name}" for flag in flags]
     wide = max(len(name) for name in names)
     return [

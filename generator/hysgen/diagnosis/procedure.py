@@ -199,7 +199,7 @@ def name_causes(
     whole = over_all_rows(found, prepared.scene())
     signatures = _signatures(found, whole)
     agreed = in_ladder_order(name for name in signatures if causes()[name].extends)
-    able = abilities(Residual(found.scene, found.fit), whole, signatures)
+    able = abilities(found.residual, whole, signatures)
     lacks = lacking(prepared.u_V[: prepared.cut], [ability.lacks for ability in able])
     limits = with_time_for(lacks, Limits.of(prepared.u_V[: prepared.cut], prepared.record.Ts_s))
     return Naming(
@@ -224,8 +224,9 @@ def _unknown(signatures: Mapping[str, Signature], left: str | None) -> str | Non
 
 def _unpredictable(naming: Naming) -> list[Correction]:
     """The changes of the displacement that no model predicts: every model is fitted and scored without them."""
-    searched = Residual(naming.found.scene, naming.found.fit)
-    extensions = [causes()[name].extension(searched) for name in naming.signatures if not causes()[name].extends]
+    extensions = [
+        causes()[name].extension(naming.found.residual) for name in naming.signatures if not causes()[name].extends
+    ]
     return [extension.correction for extension in extensions if extension.correction is not None]
 
 
@@ -247,8 +248,7 @@ def _signatures(found: SearchResult, whole: Residual) -> dict[str, Signature]:
 
 def _extensions(found: SearchResult, whole: Residual, names: Sequence[str]) -> dict[str, Extension]:
     """The extension of each cause with the parameters of the final chain."""
-    searched = Residual(found.scene, found.fit)
-    return {name: causes()[name].extension(whole if causes()[name].on_all_rows else searched) for name in names}
+    return {name: causes()[name].extension(whole if causes()[name].on_all_rows else found.residual) for name in names}
 
 
 def _rung(naming: Naming, settings: FitSettings, names: Sequence[str]) -> Rung:
@@ -332,8 +332,7 @@ def _scored(
         if price is not None
         else [None] * len(running)
     )
-    searched = Residual(naming.found.scene, naming.found.fit)
-    named = []
+    named, searched = [], naming.found.residual
     for name in agreed:
         # A cause without extension adds no rung.
         i = sum(other in made for other in agreed[: agreed.index(name)])

@@ -74,6 +74,11 @@ class SearchResult:
     error_growth: dict[str, float]
     confidence: dict[str, float]
 
+    @property
+    def residual(self) -> Residual:
+        """That of the final chain on the rows of the search, without the flags of corrupted samples."""
+        return Residual(self.scene, self.fit)
+
 
 def search(scene: Scene, progress: Progress = lambda line: None) -> SearchResult:
     """The chain with the least score, from the hysteresis and one lag on."""

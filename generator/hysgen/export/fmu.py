@@ -137,9 +137,8 @@ def variables(model: Model, facts: Mapping[str, Any]) -> list[Variable]:
     add("status", "word", "output", "status bits; those of the learner shifted left by 16")
     if facts["learns"]:
         add("answer", "word", "output", "answer of the last call of commit")
-    for flag in Status:
-        if model.responds or flag is not Status.INVERSE_RESIDUAL:
-            add(str(flag.name).lower(), "boolean", "output", flag.meaning, member="status", mask=f"0x{int(flag):x}u")
+    for flag in Status.of(model.responds):
+        add(str(flag.name).lower(), "boolean", "output", flag.meaning, member="status", mask=f"0x{int(flag):x}u")
     return listed
 
 

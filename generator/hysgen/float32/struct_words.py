@@ -15,7 +15,7 @@ import enum
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final, Self, get_type_hints
+from typing import Annotated, ClassVar, Final, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from hysgen.model.disturbances import Mirror
 from hysgen.model.feedback import FeedbackMirror
 from hysgen.model.path.chain import ChainMirror
-from hysgen.model.structs import COUNTERS, Counter, MeantFlag, Scalar
+from hysgen.model.structs import COUNTERS, Counter, MeantEnum, MeantFlag, Scalar
 
 Floats32 = NDArray[np.float32]
 Words = NDArray[np.uint32]
@@ -234,18 +234,6 @@ LEARNER_COUNTERS = {
     "restarts": Counter("number of restarts of the shadow", LearnerStatus.RESTARTED),
 }
 """The counters in the order of the struct; each stops at 2^32 - 1."""
-
-
-class MeantEnum(enum.IntEnum):
-    """Integers with a sentence each: NAME = value, meaning."""
-
-    meaning: str
-
-    def __new__(cls, value: int, meaning: str = "") -> Self:
-        """The member of this value."""
-        member = int.__new__(cls, value)
-        member._value_, member.meaning = value, meaning
-        return member
 
 
 class Commit(MeantEnum):

@@ -9,7 +9,7 @@ import enum
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal, Self, TypeAlias, get_args
+from typing import Any, Final, Literal, Self, TypeAlias, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,16 +185,31 @@ class Counter:
     written_by: tuple[str, ...] = ()
 
 
+Meant = TypeVar("Meant", bound="MeantEnum | MeantFlag")
+
+
+def _member(cls: type[Meant], value: int, meaning: str) -> Meant:
+    member = int.__new__(cls, value)
+    member._value_, member.meaning = value, meaning
+    return member
+
+
+class MeantEnum(enum.IntEnum):
+    """Integers with a sentence each: NAME = value, meaning."""
+
+    meaning: str
+
+    def __new__(cls, value: int, meaning: str = "") -> Self:
+        return _member(cls, value, meaning)
+
+
 class MeantFlag(enum.IntFlag):
     """Bits with a sentence each: NAME = bit, meaning."""
 
     meaning: str
 
-    def __new__(cls, value: int, meaning: str) -> Self:
-        """The member of this value."""
-        member = int.__new__(cls, value)
-        member._value_, member.meaning = value, meaning
-        return member
+    def __new__(cls, value: int, meaning: str = "") -> Self:
+        return _member(cls, value, meaning)
 
 
 class Status(MeantFlag):
@@ -209,6 +224,11 @@ class Status(MeantFlag):
     AUX_CLAMPED = 64, "An auxiliary channel lay outside its range and was limited to it."
     AUX_REJECTED = 128, "An auxiliary channel was not finite; its last good sample was used."
     INVERSE_RESIDUAL = 256, "The voltage leaves more than the stated tolerance of the input of the rules."
+
+    @classmethod
+    def of(cls, responds: bool) -> list[Self]:
+        """Those of a model. responds: whether a block of its path does, which alone leaves a residual."""
+        return [flag for flag in cls if responds or flag is not cls.INVERSE_RESIDUAL]
 
 
 COUNTERS = {

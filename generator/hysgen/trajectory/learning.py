@@ -31,7 +31,7 @@ from hysgen.model.residual import residual_noise
 from hysgen.record import Record
 from hysgen.trajectory.inverse import in_whole_samples, own_response
 from hysgen.trajectory.limits import Limits, limits_of
-from hysgen.trajectory.passing import learnt, passing
+from hysgen.trajectory.passing import learnt, mean_near, passing
 from hysgen.trajectory.plan import Learning, Waveform, lead_samples, plan
 from hysgen.trajectory.reference import Sampled, Series, at_rate
 
@@ -108,7 +108,7 @@ def learn(
     weights, trust = _by_time(errors, foreseen, base, noise_um)
     from_um, error_um = (np.sum(weights * rows, axis=0) for rows in (answers, errors))
     spectrum = np.asarray(dct(trust * error_um, norm="ortho"))
-    power, noise = _power(spectrum), noise_um**2 / counts[base]
+    power, noise = mean_near(spectrum**2, 2, 1 / 16), noise_um**2 / counts[base]
     passed = passing(model, courses, missed, counts, noise_um)
     share, remains = learnt(model, passed, np.arange(n + 1) / (2.0 * n * model.Ts_s))
     # Over a whole repeat, above the noise and but for a constant.
@@ -182,17 +182,3 @@ def _aligned(record: Record, reference: Sampled, lead: int, Ts_s: float) -> tupl
             f"{start_s + (count - 1) * Ts_s:.6g} s; record the whole repeat, from its first voltage on"
         )
     return u[first : first + count], y[first + lead : first + count]
-
-
-def _power(spectrum: Floats) -> Floats:
-    """Power near each frequency."""
-    return _near(spectrum**2)
-
-
-def _near(values: Floats) -> Floats:
-    """Mean near each frequency, over a width that rises with it: a sixteenth of it to both sides."""
-    sums = np.concatenate([[0.0], np.cumsum(values)])
-    k = np.arange(values.size)
-    half = 2 + k // 16
-    low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, values.size)
-    return np.asarray((sums[high] - sums[low]) / (high - low))

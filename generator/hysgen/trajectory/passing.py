@@ -19,6 +19,7 @@ Source: Pillonetto and De Nicolao, Automatica 46 (2010) 81-93, the impulse respo
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise, product
 
 import numpy as np
@@ -83,7 +84,7 @@ def passing(
             noise = noise_um**2 * by * float(np.sum(taper**2))
             yield np.fft.rfft(taper * m), np.fft.rfft(taper * late), np.fft.rfft(taper * e), noise
 
-    gain = np.abs(P)
+    gain, smooth = np.abs(P), partial(mean_near, least=3, share=SMOOTH)
     used = np.all([np.abs(f_Hz / mode_Hz - 1.0) > NEAR_MODE for mode_Hz, _ in modes_of(model)], axis=0) & (f_Hz > 0.0)
     unit, h, p = np.zeros(d), np.zeros(TAPS.size), len(free)
     decay = np.exp(-np.abs(TAPS) / REMEMBERED)
@@ -96,7 +97,7 @@ def passing(
             rest = missing - (T(unit) - 1.0) * M - h @ beside
             moved.append(float(np.sum(np.abs(M / P) ** 2)))
             others.append(float(np.sum(np.abs(rest) ** 2 - noise)))
-            H = _smooth(np.maximum(np.abs(rest) ** 2 - noise, 0.0)) / _smooth(gain**2)
+            H = smooth(np.maximum(np.abs(rest) ** 2 - noise, 0.0)) / smooth(gain**2)
             weight = np.sqrt(used / (noise + gain**2 * H))
             seen, rest = weight * np.concatenate([slopes * M, beside]), weight * rest
             parts = np.concatenate([seen.real, seen.imag], axis=1)
@@ -160,9 +161,9 @@ def _beside(model: Model, f_Hz: Floats) -> Complex:
     return np.asarray(np.exp(-2j * math.pi * model.Ts_s * np.outer(TAPS, f_Hz)))
 
 
-def _smooth(values: Floats) -> Floats:
-    """Mean over neighbours, whose number rises with frequency."""
+def mean_near(values: Floats, least: int, share: float) -> Floats:
+    """Mean near each frequency: over `least` lines and a share of the frequency to both sides."""
     sums, k = np.concatenate([[0.0], np.cumsum(values)]), np.arange(values.size)
-    half = 3 + (SMOOTH * k).astype(np.int64)
+    half = least + (share * k).astype(np.int64)
     low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, values.size)
     return np.asarray((sums[high] - sums[low]) / (high - low))

@@ -31,7 +31,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Self
@@ -255,7 +254,7 @@ def functional_error(scene: Scene, fit: Fit, functional: Floats) -> float:
     of_all = np.concatenate([functional, np.zeros(len(columns) - len(functional))])
     parts = beside.of_rows(of_all) * error
     sums = [parts[a:b].sum() for a, b in itertools.pairwise(block_edges(len(error)))]
-    return math.sqrt(float(np.square(sums).sum()) * (BLOCKS - 1) / BLOCKS)
+    return float(np.sqrt(_clustered(np.array(sums))))
 
 
 def block_left_out_error(projector: Projector, error: Floats, power: float = 1.0) -> Floats:
@@ -284,8 +283,12 @@ def _sandwich(J: Floats, error: Floats) -> Floats:
     scaled = J / np.where(zero, 1.0, norm)[:, None]
     inverse = np.linalg.pinv(scaled @ scaled.T, rcond=1e-12, hermitian=True)
     scores = np.stack([scaled[:, a:b] @ error[a:b] for a, b in itertools.pairwise(block_edges(len(error)))])
-    variance = ((scores @ inverse) ** 2).sum(axis=0) * (BLOCKS - 1) / BLOCKS
-    return np.where(zero, np.inf, np.sqrt(variance) / np.where(zero, 1.0, norm))
+    return np.where(zero, np.inf, np.sqrt(_clustered(scores @ inverse)) / np.where(zero, 1.0, norm))
+
+
+def _clustered(parts: Floats) -> Floats:
+    """Variance of the sum of what each block adds, (BLOCKS,) or (BLOCKS, p)."""
+    return np.asarray((parts**2).sum(axis=0) * (BLOCKS - 1) / BLOCKS)
 
 
 CORRELATION_LENGTH = 0.05
